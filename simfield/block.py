@@ -253,7 +253,9 @@ def _check_images(images: Images, n_cameras: int) -> None:
         column = EXTERIOR[int(np.argmin(started[row]))]
         raise BlockError("images", "is empty while others are given; give all six or none", row, column)
     attitude = np.where(started[:, 3:], np.abs(images.exterior[:, 3:]), 0.0)
-    _refuse("images", attitude > 4.0 * np.pi, EXTERIOR[3:], np.rad2deg(images.exterior[:, 3:]), "|angle| <= 720 degrees")
+    _refuse(
+        "images", attitude > 4.0 * np.pi, EXTERIOR[3:], np.rad2deg(images.exterior[:, 3:]), "|angle| <= 720 degrees"
+    )
 
 
 def _check_points(points: Points) -> None:

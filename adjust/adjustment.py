@@ -1,0 +1,164 @@
+"""The answer of the engine: estimates with their quality."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from adjust.normals import Factor
+from adjust.observations import Observations
+from adjust.precision import Cofactors
+from adjust.status import Status
+from adjust.unknowns import EXTERIOR_NAMES, POINT_NAMES, Unknowns
+from simfield.block import Block, Floats
+
+Name = tuple[str, str]
+"""An unknown: its owner (image, camera or point id) and its name, such as ("ww", "a3") or ("sww-1", "Z0")."""
+
+
+@dataclass(frozen=True, eq=False)
+class Estimates:
+    """Estimates of one kind: ids, names of the columns, values and standard deviations of the same shape.
+
+    Standard deviations are a posteriori (times sigma0); NaN where the adjustment failed, 0 where a value is held fixed.
+    """
+
+    ids: tuple[str, ...]
+    names: tuple[str, ...]
+    values: Floats
+    std: Floats
+
+
+@dataclass(frozen=True, eq=False)
+class ApEstimate:
+    """The additional parameters of one camera: values and std (a), names (a)."""
+
+    names: tuple[str, ...]
+    values: Floats
+    std: Floats
+
+    def __getitem__(self, name: str) -> float:
+        """The value of one parameter."""
+        return float(self.values[self.names.index(name)])
+
+
+@dataclass(frozen=True, eq=False)
+class Adjustment:
+    """The result of `adjust_block`. Everything derived is computed when it is asked for.
+
+    x is the estimate in the layout of `layout`; status says how the adjustment ended and `message` says it in one line.
+    """
+
+    block: Block
+    layout: Unknowns
+    groups: Observations
+    x: Floats
+    status: Status
+    message: str
+    iterations: int
+    factor: Factor | None
+
+    @property
+    def unknowns(self) -> int:
+        """The number of unknowns."""
+        return self.layout.count
+
+    @property
+    def observations(self) -> int:
+        """The number of observations: two a measured image point, one a weighted control coordinate."""
+        return self.groups.count
+
+    @property
+    def redundancy(self) -> int:
+        return self.observations - self.unknowns
+
+    @cached_property
+    def residuals(self) -> Floats:
+        """v (k, 2) of the image coordinates, mm, in the order of the block."""
+        v, _ = self.groups.image_points.residuals(self.x)
+        ordered = np.empty_like(v)
+        ordered[self.groups.image_points.order] = v
+        return ordered
+
+    @property
+    def vpv(self) -> float:
+        """The weighted sum of squares of all residuals."""
+        return self.groups.cost(self.x)
+
+    @cached_property
+    def sigma0(self) -> float:
+        """sqrt(vPv / redundancy), free of unit; NaN where the adjustment failed."""
+        return float(np.sqrt(self.vpv / self.redundancy)) if self.status.ok else float("nan")
+
+    @property
+    def unit_weight_um(self) -> float:
+        """The standard deviation of unit weight: that of the best measured image coordinate, um."""
+        return 1000.0 * float(self.block.observations.sigma.min())
+
+    @property
+    def m0_um(self) -> float:
+        """sigma0 times the standard deviation of unit weight, um in the image."""
+        return self.sigma0 * self.unit_weight_um
+
+    @cached_property
+    def cofactors(self) -> Cofactors:
+        """Raises ValueError where the adjustment failed."""
+        if self.factor is None:
+            raise ValueError(f"no cofactors: {self.message}")
+        return Cofactors(self.layout, self.factor)
+
+    @cached_property
+    def std(self) -> Floats:
+        """The standard deviation of every unknown in the layout of x."""
+        if self.factor is None:
+            return np.full(len(self.x), np.nan)
+        return np.asarray(self.sigma0 * np.sqrt(self.cofactors.diagonal))
+
+    @cached_property
+    def images(self) -> Estimates:
+        """Exterior orientations (m, 6): X0, Y0, Z0 in m, omega, phi, kappa in rad."""
+        values = self.layout.exterior(self.x).copy()
+        values[:, :3] += self.layout.origin
+        std = self.layout.exterior(self.std)
+        return Estimates(self.block.images.ids, EXTERIOR_NAMES, values, std)
+
+    @cached_property
+    def points(self) -> Estimates:
+        """Adjusted coordinates (n, 3), m."""
+        values = self.layout.points(self.x) + self.layout.origin
+        fixed = self.block.points.fixed
+        values[fixed] = self.block.points.coordinates[fixed]
+        return Estimates(self.block.points.ids, POINT_NAMES, values, self.layout.points(self.std))
+
+    @cached_property
+    def ap(self) -> dict[str, ApEstimate]:
+        """The additional parameters by camera id."""
+        return {s.id: ApEstimate(s.model.parameters, self.x[s.columns], self.std[s.columns]) for s in self.layout.sets}
+
+    def covariance(self, *names: Name) -> Floats:
+        """The covariance matrix of the named unknowns, each (owner, name), from the full inverse.
+
+        Raises KeyError for an unknown name and ValueError where the adjustment failed.
+        """
+        at = np.array([self.layout.index(*name) for name in names], dtype=np.intp)
+        return np.asarray(self.sigma0**2 * self.cofactors.block(at, at))
+
+    def correlation(self, *names: Name) -> Floats:
+        """The correlation matrix of the named unknowns; NaN rows for those held fixed. Raises as `covariance`."""
+        at = np.array([self.layout.index(*name) for name in names], dtype=np.intp)
+        return correlations(self.cofactors.block(at, at))
+
+    def ap_correlation(self, camera_id: str) -> Floats:
+        """The correlation matrix of all additional parameters of one camera."""
+        names: Sequence[str] = self.ap[camera_id].names
+        return self.correlation(*((camera_id, name) for name in names))
+
+
+def correlations(covariance: Floats) -> Floats:
+    """A covariance matrix scaled to unit diagonal; rows and columns without variance become NaN."""
+    std = np.sqrt(np.diag(covariance))
+    std = np.where(std > 0.0, std, np.nan)
+    return np.asarray(covariance / std / std[:, None])

@@ -1,0 +1,134 @@
+"""Normal equations with the object points eliminated (Schur complement), in plain numpy.
+
+With e the orientation unknowns and p the point coordinates, and N = A^T P A, g = A^T P v,
+
+    [ N_ee  W^T ] [dx_e]      [g_e]
+    [ W     V   ] [dx_p]  = - [g_p]
+
+V consists of one 3 x 3 block a point. The reduced matrix is S = N_ee - W^T V^-1 W (Triggs et al. 2000, section 6).
+All columns are scaled to a unit diagonal before they are factorised, so that "singular" has one meaning for metres,
+radians and mm^-6 alike.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.linalg
+
+from adjust.observations import Observations
+from simfield.block import Floats
+
+PIVOT_LEAST = 1e-13
+"""smallest squared pivot of a scaled matrix: the share of an unknown that the others leave undetermined by rounding alone"""
+
+
+class SingularError(ArithmeticError):
+    """The normal equations are singular. scaled: the scaled matrix; columns: where its columns stand in x."""
+
+    def __init__(self, scaled: Floats, scale: Floats, columns: slice) -> None:
+        super().__init__("singular normal equations")
+        self.scaled, self.scale, self.columns = scaled, scale, columns
+
+
+@dataclass(frozen=True, eq=False)
+class Normals:
+    """Assembled normal equations: ee (E, E), pe (n, 3, E), pp (n, 3, 3), the gradients e (E), p (n, 3), and vPv."""
+
+    ee: Floats
+    pe: Floats
+    pp: Floats
+    gradient_e: Floats
+    gradient_p: Floats
+    vpv: float
+
+
+def assemble(observations: Observations, x: Floats) -> Normals:
+    """The normal equations of all groups at x."""
+    points = observations.image_points
+    u = points.unknowns
+    size, n = u.orientation, len(u.block.points)
+    ee, pe, pp = np.zeros((size, size)), np.zeros((n, 3, size)), np.zeros((n, 3, 3))
+    gradient_e, gradient_p = np.zeros(size), np.zeros((n, 3))
+    at = points.jacobian(x)
+    weighted = points.weight[:, :, None] * at.by_orientation
+    weighted_point = points.weight[:, :, None] * at.by_point
+    crossed = at.by_point.transpose(0, 2, 1) @ weighted
+    blocks = weighted_point.transpose(0, 2, 1) @ at.by_point
+    for image in range(len(u.block.images)):
+        rows = slice(points.starts[image], points.starts[image + 1])
+        s = u.sets[u.image_set[image]]
+        width = 6 + len(s.model.parameters)
+        columns = np.r_[6 * image : 6 * image + 6, s.columns]
+        jacobian = at.by_orientation[rows, :, :width].reshape(-1, width)
+        right = weighted[rows, :, :width].reshape(-1, width)
+        seen = points.point[rows]
+        ee[np.ix_(columns, columns)] += right.T @ jacobian
+        gradient_e[columns] += right.T @ at.v[rows].ravel()
+        # a point stands at most once in an image, so fancy-index addition loses nothing
+        pe[seen[:, None, None], np.arange(3)[:, None], columns] += crossed[rows, :, :width]
+        pp[seen] += blocks[rows]
+        gradient_p[seen] += np.einsum("kij,ki->kj", weighted_point[rows], at.v[rows])
+    control = observations.control
+    at_point, axis = np.divmod(control.columns - size, 3)
+    v = control.residuals(x)
+    np.add.at(pp, (at_point, axis, axis), control.weight)
+    gradient_p[at_point, axis] += control.weight * v
+    fixed_point, fixed_axis = np.nonzero(u.block.points.fixed)
+    pp[fixed_point, fixed_axis, fixed_axis] = 1.0
+    vpv = float(np.sum(points.weight * at.v**2) + np.sum(control.weight * v**2))
+    return Normals(ee, pe, pp, gradient_e, gradient_p, vpv)
+
+
+@dataclass(frozen=True, eq=False)
+class Factor:
+    """Factorised normal equations.
+
+    With the scales D_e (E), D_p (n, 3): point_inverse (n, 3, 3) = V^-1, eliminated (n, 3, E) = V^-1 W, lower (E, E) the
+    Cholesky factor of D_e^-1 S D_e^-1.
+    """
+
+    scale: Floats
+    lower: Floats
+    point_inverse: Floats
+    eliminated: Floats
+
+    def step(self, normals: Normals) -> tuple[Floats, float]:
+        """The Gauss-Newton step -N^-1 g as one vector, and its length in standard deviations, (g^T N^-1 g)^(1/2)."""
+        v_g = np.einsum("nij,nj->ni", self.point_inverse, normals.gradient_p)
+        reduced = normals.gradient_e - np.einsum("nje,nj->e", self.eliminated, normals.gradient_p)
+        step_e = -self.scale * scipy.linalg.cho_solve((self.lower, True), self.scale * reduced, check_finite=False)
+        step_p = -v_g - self.eliminated @ step_e
+        decrement = -float(normals.gradient_e @ step_e + np.sum(normals.gradient_p * step_p))
+        return np.concatenate([step_e, step_p.ravel()]), max(decrement, 0.0) ** 0.5
+
+
+def factorise(normals: Normals) -> Factor:
+    """Eliminate the points and factorise. Raises SingularError with the scaled matrix that is singular."""
+    inverse = _invert_point_blocks(normals.pp, normals.ee.shape[0])
+    eliminated = inverse @ normals.pe
+    n3 = normals.pe.shape[0] * 3
+    reduced = normals.ee - normals.pe.reshape(n3, -1).T @ eliminated.reshape(n3, -1)
+    diagonal = np.diag(normals.ee)
+    # scaling by N_ee, not S: a pivot then says which share of a column all other unknowns together leave over
+    scale = 1.0 / np.sqrt(np.where(diagonal > 0.0, diagonal, 1.0))
+    scaled = reduced * scale * scale[:, None]
+    lower, info = scipy.linalg.lapack.dpotrf(scaled, lower=1, clean=1)
+    if info != 0 or np.diag(lower).min(initial=1.0) ** 2 < PIVOT_LEAST:
+        raise SingularError(scaled, scale, slice(0, len(scale)))
+    return Factor(scale, lower, inverse, eliminated)
+
+
+def _invert_point_blocks(pp: Floats, size: int) -> Floats:
+    """V^-1 (n, 3, 3), by scaled blocks. Raises SingularError for the first point that its rays do not determine."""
+    diagonal = np.einsum("nii->ni", pp)
+    scale = 1.0 / np.sqrt(np.where(diagonal > 0.0, diagonal, 1.0))
+    scaled = pp * scale[:, :, None] * scale[:, None, :]
+    determinant = np.linalg.det(scaled)
+    # of a unit-diagonal positive matrix; parallel rays let it vanish
+    bad = ~(determinant > PIVOT_LEAST)
+    if bad.any():
+        point = int(np.argmax(bad))
+        raise SingularError(scaled[point], scale[point], slice(size + 3 * point, size + 3 * point + 3))
+    return np.asarray(np.linalg.inv(scaled) * scale[:, :, None] * scale[:, None, :])

@@ -1,0 +1,156 @@
+"""Observation groups: each gives residuals, Jacobian and weights at given unknowns, and nothing else.
+
+Residuals are corrections, v = f(x) - measured, and weights are 1/sigma^2.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from adjust.collinearity import linearise, project
+from adjust.unknowns import Unknowns
+from simfield.block import Block, Floats, Indices
+
+
+@dataclass(frozen=True, eq=False)
+class ImagePointJacobian:
+    """Corrections v (k, 2) of the image points with their derivatives.
+
+    by_orientation (k, 2, 6 + a): exterior orientation of the image, then the additional parameters of its set (padded with
+    zeros to the largest set); by_point (k, 2, 3) with zero columns for coordinates held fixed.
+    """
+
+    v: Floats
+    by_orientation: Floats
+    by_point: Floats
+
+
+@dataclass(frozen=True, eq=False)
+class ImagePoints:
+    """The image coordinates of a block: measured + v = projected + d(measured), sorted by image.
+
+    order (k) is the place of each sorted observation in the block; starts (m + 1) bound the rows of each image.
+    """
+
+    unknowns: Unknowns
+    order: Indices
+    starts: Indices
+    image: Indices
+    point: Indices
+    xy: Floats
+    weight: Floats
+    interior: Floats
+    """(m, 3) c, x0, y0 of every image, mm"""
+    basis: Floats
+    """(k, 2, a) AP terms at the measured coordinates, zero-padded to the largest set"""
+
+    @classmethod
+    def of(cls, block: Block, unknowns: Unknowns) -> ImagePoints:
+        o = block.observations
+        order = np.argsort(o.image, kind="stable")
+        image = o.image[order]
+        interior = np.array([(c.c_mm, c.x0_mm, c.y0_mm) for c in block.cameras])[block.images.camera]
+        xy = o.xy[order]
+        return cls(
+            unknowns,
+            order,
+            np.searchsorted(image, np.arange(len(block.images) + 1)),
+            image,
+            o.point[order],
+            xy,
+            1.0 / o.sigma[order] ** 2,
+            interior,
+            _basis(unknowns, image, xy),
+        )
+
+    @cached_property
+    def free(self) -> Floats:
+        """(k, 1, 3): 1 for free coordinates of the observed point, 0 for fixed ones."""
+        return (~self.unknowns.block.points.fixed).astype(float)[self.point][:, None, :]
+
+    def ap_values(self, x: Floats) -> Floats:
+        """(m, a) the additional parameters that apply to each image, zero-padded."""
+        padded = np.zeros((len(self.unknowns.sets), self.basis.shape[2]))
+        for row, s in zip(padded, self.unknowns.sets, strict=True):
+            row[: len(s.model.parameters)] = x[s.columns]
+        return padded[self.unknowns.image_set]
+
+    def _distorted(self, projected: Floats, x: Floats) -> Floats:
+        distortion = np.einsum("kij,kj->ki", self.basis, self.ap_values(x)[self.image])
+        return projected + distortion - self.xy
+
+    def residuals(self, x: Floats) -> tuple[Floats, Floats]:
+        """v (k, 2), mm, and the depths (k), m, in the group's order."""
+        u = self.unknowns
+        projected, depth = project(u.exterior(x), self.interior, u.points(x)[self.point], self.image)
+        return self._distorted(projected, x), depth
+
+    def jacobian(self, x: Floats) -> ImagePointJacobian:
+        u = self.unknowns
+        at = linearise(u.exterior(x), self.interior, u.points(x)[self.point], self.image)
+        return ImagePointJacobian(
+            self._distorted(at.xy, x),
+            np.concatenate([at.by_exterior, self.basis], axis=2),
+            at.by_point * self.free,
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class ControlCoordinates:
+    """Weighted control: coordinates that are observations of themselves. columns (q) in x, given and weight (q)."""
+
+    columns: Indices
+    given: Floats
+    weight: Floats
+
+    @classmethod
+    def of(cls, block: Block, unknowns: Unknowns) -> ControlCoordinates:
+        at = np.flatnonzero(block.points.weighted.ravel())
+        given = (block.points.coordinates - unknowns.origin).ravel()[at]
+        return cls(unknowns.orientation + at, given, 1.0 / block.points.sigma.ravel()[at] ** 2)
+
+    def residuals(self, x: Floats) -> Floats:
+        """v (q), m."""
+        return x[self.columns] - self.given
+
+
+@dataclass(frozen=True, eq=False)
+class Observations:
+    """All observation groups of an adjustment."""
+
+    image_points: ImagePoints
+    control: ControlCoordinates
+
+    @classmethod
+    def of(cls, block: Block, unknowns: Unknowns) -> Observations:
+        return cls(ImagePoints.of(block, unknowns), ControlCoordinates.of(block, unknowns))
+
+    @property
+    def count(self) -> int:
+        return 2 * len(self.image_points.image) + len(self.control.columns)
+
+    def cost(self, x: Floats) -> float:
+        """vPv; infinite when a point lies behind a camera."""
+        v, depth = self.image_points.residuals(x)
+        if not (depth > 0.0).all():
+            return float("inf")
+        control = self.control.residuals(x)
+        return float(np.sum(self.image_points.weight * v**2) + np.sum(self.control.weight * control**2))
+
+    @property
+    def magnitude(self) -> float:
+        """The norm of the observations in units of their standard deviations: what rounding errors are relative to."""
+        return float(np.sqrt(np.sum(self.image_points.weight * self.image_points.xy**2) + 1.0))
+
+
+def _basis(unknowns: Unknowns, image: Indices, xy: Floats) -> Floats:
+    widest = max(len(s.model.parameters) for s in unknowns.sets)
+    basis = np.zeros((len(image), 2, widest))
+    set_of = unknowns.image_set[image]
+    for number, s in enumerate(unknowns.sets):
+        rows = set_of == number
+        basis[rows, :, : len(s.model.parameters)] = s.model.basis(xy[rows, 0], xy[rows, 1])
+    return basis

@@ -1,0 +1,21 @@
+"""How an adjustment ended, in a sentence."""
+
+from __future__ import annotations
+
+from enum import Enum
+
+
+class Status(Enum):
+    """The end of an adjustment; the value is the sentence that a user reads."""
+
+    CONVERGED = "converged"
+    NO_START = "no start values could be found"
+    BEHIND_CAMERA = "a point lies behind a camera"
+    SINGULAR = "the normal equations are singular"
+    NOT_CONVERGED = "the iteration did not converge"
+    TOO_LITTLE_REDUNDANCY = "there are too few observations"
+    NOT_FINITE = "the computation left the range of numbers"
+
+    @property
+    def ok(self) -> bool:
+        return self is Status.CONVERGED

@@ -1,0 +1,117 @@
+"""What is unknown in a block: exterior orientations, additional parameters, point coordinates.
+
+The working vector x holds, in this order, 6 elements for every image, the additional parameters of every set, and 3
+coordinates for every point. The first two kinds are the orientation unknowns (their number is `orientation`); the points
+behind them are eliminated. Coordinates held fixed stay in x and are marked in `free`, so indices never shift.
+Object coordinates are reduced to `origin`, which keeps digits in large national coordinates.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from adjust.ap_models.model import ApModel
+from simfield.block import Block, Floats, Indices
+
+EXTERIOR_NAMES = ("X0", "Y0", "Z0", "omega", "phi", "kappa")
+POINT_NAMES = ("X", "Y", "Z")
+
+
+@dataclass(frozen=True, eq=False)
+class ApSet:
+    """One set of additional parameters: its id (that of its camera), its model and its place in x."""
+
+    id: str
+    model: ApModel
+    columns: slice
+
+
+@dataclass(frozen=True, eq=False)
+class Unknowns:
+    """The layout of the working vector x of a block."""
+
+    block: Block
+    sets: tuple[ApSet, ...]
+    image_set: Indices
+    """(m) the AP set of every image"""
+    free: npt.NDArray[np.bool_]
+    """(size) False for coordinates held fixed"""
+    origin: Floats
+    """(3) the reduction of object coordinates, m"""
+
+    @classmethod
+    def of(cls, block: Block, model: ApModel | Mapping[str, ApModel]) -> Unknowns:
+        """Raises KeyError when `model` is a mapping that lacks a camera of the block."""
+        used = [c for c in range(len(block.cameras)) if np.any(block.images.camera == c)]
+        start = 6 * len(block.images)
+        sets = []
+        for index in used:
+            camera_id = block.cameras[index].camera_id
+            if isinstance(model, Mapping) and camera_id not in model:
+                raise KeyError(f"no AP model given for camera {camera_id!r}; given are {', '.join(model) or 'none'}")
+            chosen = model[camera_id] if isinstance(model, Mapping) else model
+            count = len(chosen.parameters)
+            sets.append(ApSet(camera_id, chosen, slice(start, start + count)))
+            start += count
+        set_of_camera = np.zeros(len(block.cameras), dtype=np.intp)
+        set_of_camera[used] = np.arange(len(used))
+        free = np.ones(start + 3 * len(block.points), dtype=bool)
+        free[start:] = ~block.points.fixed.ravel()
+        return cls(block, tuple(sets), set_of_camera[block.images.camera], free, _origin(block))
+
+    @property
+    def orientation(self) -> int:
+        """The number of orientation unknowns, and the place of the first coordinate in x."""
+        return 6 * len(self.block.images) + sum(len(s.model.parameters) for s in self.sets)
+
+    @property
+    def count(self) -> int:
+        """The number of unknowns, fixed coordinates not counted."""
+        return int(self.free.sum())
+
+    def exterior(self, x: Floats) -> Floats:
+        """(m, 6) view of x, X0 reduced."""
+        return x[: 6 * len(self.block.images)].reshape(-1, 6)
+
+    def points(self, x: Floats) -> Floats:
+        """(n, 3) view of x, reduced."""
+        return x[self.orientation :].reshape(-1, 3)
+
+    def name(self, index: int) -> str:
+        """The name of unknown `index`, such as "Z0 of image sww-1"."""
+        images = 6 * len(self.block.images)
+        if index < images:
+            return f"{EXTERIOR_NAMES[index % 6]} of image {self.block.images.ids[index // 6]}"
+        if index >= self.orientation:
+            at = index - self.orientation
+            return f"{POINT_NAMES[at % 3]} of point {self.block.points.ids[at // 3]}"
+        for s in self.sets:
+            if s.columns.start <= index < s.columns.stop:
+                return f"{s.model.parameters[index - s.columns.start]} of camera {s.id}"
+        raise IndexError(index)
+
+    def index(self, owner: str, name: str) -> int:
+        """The place in x of unknown `name` of the image, camera or point `owner`. Raises KeyError if there is none."""
+        if name in EXTERIOR_NAMES and owner in self.block.images.ids:
+            return 6 * self.block.images.ids.index(owner) + EXTERIOR_NAMES.index(name)
+        if name in POINT_NAMES and owner in self.block.points.ids:
+            return self.orientation + 3 * self.block.points.ids.index(owner) + POINT_NAMES.index(name)
+        for s in self.sets:
+            if s.id == owner and name in s.model.parameters:
+                return int(s.columns.start + s.model.parameters.index(name))
+        raise KeyError(f"no unknown {name!r} of {owner!r} in this adjustment")
+
+
+def _origin(block: Block) -> Floats:
+    """The rounded centroid of what is known, so that the reduction itself costs no digit."""
+    known = np.vstack([block.points.coordinates, block.images.exterior[:, :3] * [1.0, 1.0, np.nan]])
+    origin = np.zeros(3)
+    for axis in range(3):
+        column = known[:, axis][np.isfinite(known[:, axis])]
+        if column.size:
+            origin[axis] = np.round(np.median(column))
+    return origin
