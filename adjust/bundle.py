@@ -8,7 +8,8 @@ import numpy as np
 
 from adjust import initial
 from adjust.adjustment import Adjustment
-from adjust.ap_models import ApModel, NoModel
+from adjust.ap_models.mauelshagen import NoModel
+from adjust.ap_models.model import ApModel
 from adjust.observations import Observations
 from adjust.solve import Solution, solve
 from adjust.status import Status
@@ -19,9 +20,9 @@ from simfield.block import Block
 def adjust_block(block: Block, model: ApModel | Mapping[str, ApModel] | None = None) -> Adjustment:
     """Adjust a block by bundles, with one set of additional parameters a camera.
 
-    model is one AP model for all cameras (None: no additional parameters) or a mapping from camera id to model. The result's
-    `status` says whether the adjustment succeeded; nothing is raised for data that cannot be adjusted. Raises KeyError for
-    a mapping without one of the cameras.
+    model is one AP model for all cameras (None: no additional parameters) or a mapping from camera id to model. The
+    result's `status` says whether the adjustment succeeded; nothing is raised for data that cannot be adjusted. Raises
+    KeyError for a mapping without one of the cameras.
 
     Least squares of measured + v = projected + d(measured) with weights 1/sigma^2, by Gauss-Newton with the points
     eliminated (Triggs et al. 2000, Bundle adjustment - a modern synthesis, sections 4 and 6).

@@ -1,7 +1,7 @@
 """The collinearity equations and their derivatives.
 
-p = R^T (X - X0),  x = x0 - c p_x / p_z,  y = y0 - c p_y / p_z  (docs/conventions.md); a point in front of the camera has
-p_z < 0. The simulator has its own projection (simfield.imaging); this module shares nothing with it.
+p = R^T (X - X0),  x = x0 - c p_x / p_z,  y = y0 - c p_y / p_z  (docs/conventions.md); a point in front of the camera
+has p_z < 0. The simulator has its own projection (simfield.imaging); this module shares nothing with it.
 """
 
 from __future__ import annotations
@@ -17,7 +17,8 @@ from simfield.block import Floats, Indices
 def project(exterior: Floats, interior: Floats, points: Floats, image: Indices) -> tuple[Floats, Floats]:
     """Image coordinates xy (k, 2), mm, and depths -p_z (k), m, of points (k, 3) seen in the images `image` (k).
 
-    exterior (m, 6) in m and rad; interior (m, 3) with c, x0, y0 in mm for every image. A depth <= 0 lies behind the camera.
+    exterior (m, 6) in m and rad; interior (m, 3) with c, x0, y0 in mm for every image. A depth <= 0
+    lies behind the camera.
     """
     rotation = rotation_matrices(exterior[:, 3:])
     p = np.einsum("kij,ki->kj", rotation[image], points - exterior[image, :3])

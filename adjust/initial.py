@@ -35,14 +35,14 @@ def _complete(exterior: Floats, points: Floats, image_points: ImagePoints) -> No
     block = image_points.unknowns.block
     while True:
         _intersect(exterior, points, image_points)
-        missing = np.flatnonzero(np.isnan(exterior[:, 0]))
-        if missing.size == 0:
+        missing = [int(i) for i in np.flatnonzero(np.isnan(exterior[:, 0]))]
+        if not missing:
             break
         oriented = [i for i in missing if _orient_vertically(i, exterior, points, image_points)]
         if not oriented:
             raise NoStartError(
-                f"image {block.images.ids[missing[0]]} has no approximate orientation, and fewer than three points with "
-                "known coordinates from which one could be made"
+                f"image {block.images.ids[missing[0]]} has no approximate orientation, "
+                "and fewer than three points with known coordinates from which one could be made"
             )
     lost = np.isnan(points).any(axis=1)
     if lost.any():
@@ -93,7 +93,7 @@ def _intersect(exterior: Floats, points: Floats, image_points: ImagePoints) -> N
 
 
 def _orient_vertically(image: int, exterior: Floats, points: Floats, image_points: ImagePoints) -> bool:
-    """Start image `image` as a vertical one by a plane similarity from its points with known coordinates (three at least)."""
+    """Start an image as a vertical one by a plane similarity from its points with known coordinates, three at least."""
     g = image_points
     rows = np.arange(g.starts[image], g.starts[image + 1])
     known = points[g.point[rows]]

@@ -21,7 +21,7 @@ from adjust.observations import Observations
 from simfield.block import Floats
 
 PIVOT_LEAST = 1e-13
-"""smallest squared pivot of a scaled matrix: the share of an unknown that the others leave undetermined by rounding alone"""
+"""smallest squared pivot of a scaled matrix; below it, rounding alone separates an unknown from the others"""
 
 
 class SingularError(ArithmeticError):

@@ -19,8 +19,8 @@ from simfield.block import Block, Floats, Indices
 class ImagePointJacobian:
     """Corrections v (k, 2) of the image points with their derivatives.
 
-    by_orientation (k, 2, 6 + a): exterior orientation of the image, then the additional parameters of its set (padded with
-    zeros to the largest set); by_point (k, 2, 3) with zero columns for coordinates held fixed.
+    by_orientation (k, 2, 6 + a): exterior orientation of the image, then the additional parameters of its set (padded
+    with zeros to the largest set); by_point (k, 2, 3) with zero columns for coordinates held fixed.
     """
 
     v: Floats
@@ -76,11 +76,11 @@ class ImagePoints:
         padded = np.zeros((len(self.unknowns.sets), self.basis.shape[2]))
         for row, s in zip(padded, self.unknowns.sets, strict=True):
             row[: len(s.model.parameters)] = x[s.columns]
-        return padded[self.unknowns.image_set]
+        return np.asarray(padded[self.unknowns.image_set])
 
     def _distorted(self, projected: Floats, x: Floats) -> Floats:
         distortion = np.einsum("kij,kj->ki", self.basis, self.ap_values(x)[self.image])
-        return projected + distortion - self.xy
+        return np.asarray(projected + distortion - self.xy)
 
     def residuals(self, x: Floats) -> tuple[Floats, Floats]:
         """v (k, 2), mm, and the depths (k), m, in the group's order."""

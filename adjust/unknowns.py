@@ -1,7 +1,7 @@
 """What is unknown in a block: exterior orientations, additional parameters, point coordinates.
 
-The working vector x holds, in this order, 6 elements for every image, the additional parameters of every set, and 3
-coordinates for every point. The first two kinds are the orientation unknowns (their number is `orientation`); the points
+The working vector x holds, in this order, 6 elements for every image, the additional parameters of every set, and
+3 coordinates for every point. The first two kinds are the orientation unknowns (their number is `orientation`); the points
 behind them are eliminated. Coordinates held fixed stay in x and are marked in `free`, so indices never shift.
 Object coordinates are reduced to `origin`, which keeps digits in large national coordinates.
 """

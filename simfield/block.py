@@ -38,7 +38,8 @@ class BlockError(ValueError):
 class Camera:
     """A frame camera with known interior orientation.
 
-    c_mm is the principal distance, (x0_mm, y0_mm) the principal point in the fiducial frame, width and height the format.
+    c_mm is the principal distance, (x0_mm, y0_mm) the principal point in the fiducial frame, width_mm and height_mm
+    the format.
     """
 
     camera_id: str
@@ -53,8 +54,8 @@ class Camera:
 class Images:
     """Images with their camera and exterior orientation.
 
-    ids (m), camera (m) index into the block's cameras, exterior (m, 6) with X0, Y0, Z0 in metres and omega, phi, kappa in
-    radians. In a block these are approximate values; a row may be NaN.
+    ids (m), camera (m) index into the block's cameras, exterior (m, 6) with X0, Y0, Z0 in metres and omega, phi,
+    kappa in radians. In a block these are approximate values; a row may be NaN.
     """
 
     ids: tuple[str, ...]
@@ -70,10 +71,10 @@ class Images:
 
 @dataclass(frozen=True, eq=False)
 class Points:
-    """Object points: ids (n), role (n) in ROLES, coordinates (n, 3) and their standard deviations sigma (n, 3), metres.
+    """Object points: ids (n), role (n) in ROLES, coordinates (n, 3) and their standard deviations sigma (n, 3), m.
 
-    A control coordinate with sigma 0 is fixed, with sigma > 0 an observation, with sigma NaN unknown (its coordinate, if
-    any, is a start value). A check point is adjusted like a tie point; its coordinates are only compared.
+    A control coordinate with sigma 0 is fixed, with sigma > 0 an observation, with sigma NaN unknown (its coordinate,
+    if any, is a start value). A check point is adjusted like a tie point; its coordinates are only compared.
     """
 
     ids: tuple[str, ...]
@@ -100,7 +101,7 @@ class Points:
 
 @dataclass(frozen=True, eq=False)
 class ImageObservations:
-    """Measured image points: image (k) and point (k) indices, xy (k, 2) and their standard deviations sigma (k, 2), mm."""
+    """Measured image points: image (k) and point (k) indices, xy (k, 2) and standard deviations sigma (k, 2), mm."""
 
     image: Indices
     point: Indices

@@ -34,9 +34,9 @@ class Certainty(StrEnum):
 class ApModel:
     """A set of additional parameters, declared by its terms.
 
-    A subclass is a frozen dataclass. Its fields are the settings, with the unit in the name and metadata={"about": ...};
-    its class variables say what it is and where it comes from; `terms` lists one (dx, dy) for each parameter, as literally
-    as the source prints it. `parameters` names them.
+    A subclass is a frozen dataclass. Its fields are the settings, with the unit in the name and
+    metadata={"about": ...}; its class variables say what it is and where it comes from; `terms` lists one (dx, dy) for
+    each parameter, as literally as the source prints it. `parameters` names them.
     """
 
     id: ClassVar[str]
