@@ -17,13 +17,14 @@ from simfield.block import Floats, Indices
 def project(exterior: Floats, interior: Floats, points: Floats, image: Indices) -> tuple[Floats, Floats]:
     """Image coordinates xy (k, 2), mm, and depths -p_z (k), m, of points (k, 3) seen in the images `image` (k).
 
-    exterior (m, 6) in m and rad; interior (m, 3) with c, x0, y0 in mm for every image. A depth <= 0
-    lies behind the camera.
+    exterior (m, 6) in m and rad; interior (m, 3) with c, x0, y0 in mm for every image. A depth < 0
+    lies behind the camera; at depth 0 the coordinates are infinite or NaN.
     """
     rotation = rotation_matrices(exterior[:, 3:])
     p = np.einsum("kij,ki->kj", rotation[image], points - exterior[image, :3])
     c, principal = interior[image, :1], interior[image, 1:]
-    return principal - c * p[:, :2] / p[:, 2:], -p[:, 2]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return principal - c * p[:, :2] / p[:, 2:], -p[:, 2]
 
 
 @dataclass(frozen=True, eq=False)

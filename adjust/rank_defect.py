@@ -1,17 +1,26 @@
-"""Singular normal equations explained: which unknowns cannot be separated, and whether the datum is at fault."""
+"""Singular normal equations explained: what is not determined, in words that a surveyor can act on.
+
+The null space of the reduced matrix is taken apart in this order: images that their own points do not orient; the datum
+(similarity transformations of the whole block that move no control); and what is left, unknowns that cannot be separated.
+All vectors here belong to the scaled matrix: a change dx of the unknowns appears as dx / scale.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 import numpy as np
 
-from adjust.normals import PIVOT_LEAST, SingularError
+from adjust.normals import SingularError
 from adjust.observations import Observations
-from adjust.rotation import rotation_matrices
-from adjust.unknowns import Unknowns
+from adjust.rotation import rotation_derivatives
+from adjust.unknowns import EXTERIOR_NAMES, Unknowns
 from simfield.block import Floats
 
-NULL_SHARE = 1e-10
-"""eigenvalues of a unit-diagonal matrix below this belong to its null space"""
+NULL_SHARE = 1e-13
+"""eigenvalues below this share of the largest belong to the null space; rounding leaves some 1e-16"""
+CONTAINED = 1e-6
+"""sine of the angle within which a direction counts as contained in a space; eigenvectors are good to about 1e-10"""
 LEADING = 0.25
 """an unknown is named when its share is at least this part of the largest"""
 NAMES_MOST = 6
@@ -30,61 +39,180 @@ def explain(error: SingularError, observations: Observations, x: Floats) -> str:
     """A sentence that names the unknowns in the null space."""
     u = observations.image_points.unknowns
     if error.columns.start >= u.orientation:
-        point = u.block.points.ids[(error.columns.start - u.orientation) // 3]
-        return f"point {point} is not determined: its rays are parallel or too few"
-    values, vectors = np.linalg.eigh(error.scaled)
-    null = vectors[:, values < max(NULL_SHARE, 10 * PIVOT_LEAST)]
-    if null.shape[1] == 0:
-        null = vectors[:, :1]
-    datum = _datum_directions(u, x, error.scale)
-    inside = _contained(datum, null)
-    if inside:
-        what = ", ".join(DATUM_NAMES[i] for i in inside)
-        more = null.shape[1] - len(inside)
-        rest = f"; {more} further combinations: {_leading(u, null)}" if more > 0 else ""
-        return f"rank defect {null.shape[1]}: the control does not fix the datum ({what}){rest}"
-    return f"rank defect {null.shape[1]}: cannot be separated: {_leading(u, null)}"
+        return _undetermined_point(u, (error.columns.start - u.orientation) // 3)
+    empty = np.flatnonzero(np.diag(error.scaled) == 0.0)
+    if empty.size:
+        return _without_effect(u, int(empty[0]))
+    null = _null_space(error.scaled)
+    sentences = []
+    null, loose = _take_loose_images(u, null)
+    if loose:
+        sentences.append(_loose_images(u, loose))
+    null, free = _take_datum(null, _datum_directions(u, x, error.scale))
+    if free.shape[1]:
+        sentences.append(_datum(u, free))
+    if null.shape[1]:
+        sentences.append(_not_separable(u, null))
+    return "; ".join(sentences)
 
 
-def _leading(u: Unknowns, null: Floats) -> str:
-    """The unknowns with the largest share in the null space, sets of additional parameters first."""
-    share = np.sqrt(np.sum(null**2, axis=1))
-    names = [i for i in np.argsort(-share, kind="stable") if share[i] >= LEADING * share.max()]
-    images = 6 * len(u.block.images)
-    parameters = [i for i in np.argsort(-share, kind="stable") if i >= images and share[i] >= 1e-3 * share.max()]
-    chosen = list(dict.fromkeys([*parameters[:3], *names]))[:NAMES_MOST]
-    rest = len(names) - len([i for i in names if i in chosen])
-    return ", ".join(u.name(int(i)) for i in chosen) + (f" and {rest} more" if rest > 0 else "")
+def _undetermined_point(u: Unknowns, point: int) -> str:
+    name, rays = u.block.points.ids[point], int(u.block.rays[point])
+    if rays >= 2:
+        return f"point {name} is not determined: its {rays} rays are parallel"
+    return f"point {name} is not determined: it has {rays} ray{'s' * (rays != 1)}, two or more coordinates are needed"
+
+
+def _without_effect(u: Unknowns, column: int) -> str:
+    image = column // 6
+    if image < len(u.block.images):
+        return f"image {u.block.images.ids[image]} has no measured points"
+    return f"{u.name(column)} has no effect on any measured point"
+
+
+def _null_space(scaled: Floats) -> Floats:
+    """(E, d) an orthonormal basis of the null space, of dimension one at least."""
+    values, vectors = np.linalg.eigh(scaled)
+    defect = max(1, int(np.sum(values < NULL_SHARE * values[-1])))
+    return np.asarray(vectors[:, :defect])
+
+
+def _without(null: Floats, taken: Floats) -> Floats:
+    """An orthonormal basis of the part of span(null) that is orthogonal to the orthonormal directions `taken` within it."""
+    rest = null - taken @ (taken.T @ null)
+    left, _, _ = np.linalg.svd(rest, full_matrices=False)
+    return np.asarray(left[:, : null.shape[1] - taken.shape[1]])
+
+
+def _take_loose_images(u: Unknowns, null: Floats) -> tuple[Floats, dict[int, int]]:
+    """The null space without the directions that change one image alone, and the number of these by image."""
+    loose: dict[int, int] = {}
+    for image in range(len(u.block.images)):
+        outside = np.ones(len(null), dtype=bool)
+        outside[6 * image : 6 * image + 6] = False
+        _, values, turn = np.linalg.svd(null[outside], full_matrices=True)
+        values = np.pad(values, (0, null.shape[1] - len(values)))
+        alone = null @ turn[values < CONTAINED].T
+        if alone.shape[1]:
+            loose[image] = alone.shape[1]
+            null = _without(null, alone)
+        if not null.shape[1]:
+            break
+    return null, loose
+
+
+def _loose_images(u: Unknowns, loose: Iterable[int]) -> str:
+    counts = np.bincount(u.block.observations.image, minlength=len(u.block.images))
+    said = [f"image {u.block.images.ids[i]} by its {counts[i]} measured points" for i in loose]
+    return _listed(said) + " cannot be oriented (three or more are needed, not on one line)"
 
 
 def _datum_directions(u: Unknowns, x: Floats, scale: Floats) -> Floats:
     """(E, 7) the changes of the scaled orientation unknowns under the seven similarity transformations, normed."""
     exterior = u.exterior(x)
+    position = exterior[:, :3] - _pivot(u, x)
+    _, by_angle = rotation_derivatives(exterior[:, 3:])
+    rotation, _ = rotation_derivatives(exterior[:, 3:])
+    moves = np.zeros((len(u.block.images), 6, 7))
+    moves[:, :3, :3] = np.eye(3)
+    for axis in range(3):
+        moves[:, :3, 3 + axis] = np.cross(np.eye(3)[axis], position)
+        # the angles change so that dR = [axis]_x R
+        turned = np.cross(np.eye(3)[axis], rotation, axisb=1, axisc=1)
+        for image in range(len(exterior)):
+            columns = by_angle[:, image].reshape(3, 9).T
+            moves[image, 3:, 3 + axis] = np.linalg.lstsq(columns, turned[image].ravel(), rcond=None)[0]
+    moves[:, :3, 6] = position
     directions = np.zeros((len(scale), 7))
-    rotation = rotation_matrices(exterior[:, 3:])
-    for image, (position, matrix) in enumerate(zip(exterior[:, :3], rotation, strict=True)):
-        row = 6 * image
-        directions[row : row + 3, :3] = np.eye(3)
-        for axis in range(3):
-            turn = np.cross(np.eye(3)[axis], position)
-            directions[row : row + 3, 3 + axis] = turn
-            directions[row + 3 : row + 6, 3 + axis] = _angle_change(exterior[image, 3:], matrix, axis)
-        directions[row : row + 3, 6] = position
+    directions[: 6 * len(exterior)] = moves.reshape(-1, 7)
     directions /= scale[:, None]
-    return np.asarray(directions / np.linalg.norm(directions, axis=0))
+    length = np.linalg.norm(directions, axis=0)
+    return np.asarray(directions / np.where(length > 0.0, length, 1.0))
 
 
-def _angle_change(angles: Floats, matrix: Floats, axis: int) -> Floats:
-    """The change of omega, phi, kappa when the object frame turns about `axis`: solve dR = [axis]_x R."""
-    from adjust.rotation import rotation_derivatives
-
-    _, derivatives = rotation_derivatives(angles[None])
-    wanted = np.cross(np.eye(3)[axis], matrix.T).T
-    columns = derivatives[:, 0].reshape(3, 9).T
-    return np.asarray(np.linalg.lstsq(columns, wanted.ravel(), rcond=None)[0])
+def _full_control(u: Unknowns) -> list[int]:
+    """The points held or weighted in all three coordinates."""
+    points = u.block.points
+    return [int(i) for i in np.flatnonzero((points.fixed | points.weighted).all(axis=1))]
 
 
-def _contained(datum: Floats, null: Floats) -> list[int]:
-    """Which datum directions lie in the null space (a point held in one coordinate spoils only some of them)."""
-    left = datum - null @ (null.T @ datum)
-    return [i for i in range(7) if np.linalg.norm(left[:, i]) < 1e-4]
+def _pivot(u: Unknowns, x: Floats) -> Floats:
+    """(3) the point about which the block is turned and scaled: a control point, so that it need not be shifted as well."""
+    at = u.points(x)
+    full = _full_control(u)
+    if full:
+        return np.asarray(at[full[0]])
+    held = u.block.points.fixed | u.block.points.weighted
+    return np.array([at[held[:, i] if held[:, i].any() else slice(None), i].mean() for i in range(3)])
+
+
+def _take_datum(null: Floats, datum: Floats) -> tuple[Floats, Floats]:
+    """The null space without the datum, and (7, f) the free motions: orthonormal combinations of the datum directions."""
+    left, values, right = np.linalg.svd(datum, full_matrices=False)
+    kept = values > CONTAINED * values[0]
+    basis = left[:, kept]
+    cosines, turn = np.linalg.eigh(basis.T @ null @ (null.T @ basis))
+    inside = turn[:, cosines > 1.0 - CONTAINED]
+    motions = (right[kept].T / values[kept]) @ inside
+    free, _ = np.linalg.qr(motions)
+    return _without(null, basis @ inside), free
+
+
+def _datum(u: Unknowns, free: Floats) -> str:
+    defect = free.shape[1]
+    if defect == 7:
+        return "there is no control, so the datum is free (shift, rotation and scale of the whole block)"
+    missing = [i for i in range(7) if np.linalg.norm(free[i]) > 1.0 - CONTAINED]
+    said = [DATUM_NAMES[i] for i in missing]
+    rest = _without(free, np.eye(7)[:, missing])
+    full = _full_control(u)
+    pure_turn = rest.shape[1] == 1 and np.linalg.norm(rest[3:6, 0]) > 1.0 - CONTAINED
+    if pure_turn and len(full) >= 2:
+        said.append(
+            f"rotation about the line through the control points {_listed(u.block.points.ids[i] for i in full)}"
+        )
+    elif rest.shape[1]:
+        share = np.linalg.norm(rest, axis=1)
+        said.append("a combination of " + _listed(DATUM_NAMES[i] for i in range(7) if share[i] > LEADING * share.max()))
+    verb = "is" if len(said) == 1 else "are"
+    return f"the control fixes only {7 - defect} of the 7 datum elements, free {verb} {_listed(said)}"
+
+
+def _not_separable(u: Unknowns, null: Floats) -> str:
+    """The unknowns with the largest shares in the null space; an element of many images counts as one."""
+    share = np.linalg.norm(null, axis=1)
+    images = 6 * len(u.block.images)
+    found = [(float(share[i]), u.name(i)) for i in range(images, len(share))]
+    by_element = share[:images].reshape(-1, 6)
+    top = max([*np.linalg.norm(by_element, axis=0), *(s for s, _ in found)])
+    for element, name in enumerate(EXTERIOR_NAMES):
+        column = by_element[:, element]
+        taking_part = [int(i) for i in np.flatnonzero(column >= LEADING * column.max())]
+        found.append((float(np.linalg.norm(column)), f"{name} of {_images(u, taking_part)}"))
+    leading = [name for s, name in sorted(found, key=lambda f: -f[0]) if s >= LEADING * top]
+    if len(leading) > NAMES_MOST:
+        leading = [*leading[:NAMES_MOST], f"{len(leading) - NAMES_MOST} more"]
+    if len(leading) == 1:
+        return f"{leading[0]} cannot be determined"
+    combinations = f" (rank defect {null.shape[1]})" if null.shape[1] > 1 else ""
+    return f"{_listed(leading)} cannot be separated{combinations}"
+
+
+def _images(u: Unknowns, chosen: list[int]) -> str:
+    ids, camera = u.block.images.ids, u.block.images.camera
+    if len(chosen) == 1:
+        return f"image {ids[chosen[0]]}"
+    if len(chosen) == len(ids):
+        return f"all {len(ids)} images"
+    cameras = set(camera[chosen].tolist())
+    if len(cameras) == 1 and len(chosen) == np.sum(camera == camera[chosen[0]]):
+        return f"all {len(chosen)} images of camera {u.block.cameras[camera[chosen[0]]].camera_id}"
+    if len(chosen) <= NAMES_MOST:
+        return "images " + _listed(ids[i] for i in chosen)
+    return f"{len(chosen)} of {len(ids)} images"
+
+
+def _listed(names: Iterable[str]) -> str:
+    """a, b and c."""
+    *front, last = names
+    return f"{', '.join(front)} and {last}" if front else last

@@ -107,8 +107,9 @@ class Unknowns:
 
 
 def _origin(block: Block) -> Floats:
-    """The rounded centroid of what is known, so that the reduction itself costs no digit."""
-    known = np.vstack([block.points.coordinates, block.images.exterior[:, :3] * [1.0, 1.0, np.nan]])
+    """The rounded median of what is known, check points apart (they must not touch the result, not even by rounding)."""
+    used = block.points.role != "check"
+    known = np.vstack([block.points.coordinates[used], block.images.exterior[:, :3] * [1.0, 1.0, np.nan]])
     origin = np.zeros(3)
     for axis in range(3):
         column = known[:, axis][np.isfinite(known[:, axis])]

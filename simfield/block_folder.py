@@ -10,6 +10,7 @@ from __future__ import annotations
 import csv
 import io
 import os
+import re
 import secrets
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
@@ -35,6 +36,8 @@ from simfield.block import (
 from simfield.csv_table import BlockFolderError, CsvTable, read_table, shown
 from simfield.degrees import degrees_text, radians_of
 
+__all__ = ["COLUMNS", "BlockFolderError", "read_block", "write_block"]
+
 POSITIONS, ANGLES = EXTERIOR[:3], EXTERIOR[3:]
 INTERIOR = ("c_mm", "x0_mm", "y0_mm", "width_mm", "height_mm")
 COLUMNS: dict[str, tuple[str, ...]] = {
@@ -44,6 +47,7 @@ COLUMNS: dict[str, tuple[str, ...]] = {
     "observations": ("image_id", "point_id", "x_mm", "y_mm", "sigma_x_mm", "sigma_y_mm"),
 }
 """the header of every file, by the table's name in a BlockError; the file is the name with .csv"""
+UNWRITABLE = re.compile("[\0\r\ud800-\udfff]")
 LONGEST_ID = 100_000
 """characters; a CSV reader gives up at 131072"""
 
@@ -189,8 +193,8 @@ def _check_ids(folder: Path, block: Block) -> None:
     ids = {"cameras": block.camera_ids, "images": block.images.ids, "points": block.points.ids}
     for table, names in ids.items():
         for row, name in enumerate(names):
-            if "\0" in name or len(name) > LONGEST_ID or any("\ud800" <= letter <= "\udfff" for letter in name):
-                reason = f"{shown(name)} cannot be written: NUL, half a surrogate pair or over {LONGEST_ID} characters"
+            if len(name) > LONGEST_ID or UNWRITABLE.search(name):
+                reason = f"{shown(name)} cannot be written: NUL, CR, a lone surrogate or over {LONGEST_ID} characters"
                 raise BlockFolderError(folder / f"{table}.csv", reason, row + 2, COLUMNS[table][0])
 
 

@@ -75,9 +75,14 @@ class CsvTable:
         return values
 
     def index(self, column: str) -> dict[str, int]:
-        """The 0-based row of every id in a column; raises BlockFolderError for an id that stands there twice."""
+        """The 0-based row of every id in a column.
+
+        Raises BlockFolderError for an id that is empty, begins or ends with a blank, or stands there twice.
+        """
         rows: dict[str, int] = {}
         for row, name in enumerate(self.columns[column]):
+            if not name or name != name.strip():
+                raise self.error(f"{shown(name)} is not an id (a text without blanks at its ends)", row, column)
             if (first := rows.setdefault(name, row)) != row:
                 raise self.error(f"{shown(name)} stands already in row {self.lines[first]}", row, column)
         return rows
@@ -134,7 +139,8 @@ def _text(path: Path, names: Sequence[str]) -> str:
 
 def _records(path: Path, text: str) -> Iterator[tuple[int, list[str]]]:
     """Every record that is not an empty line, with the line where it begins."""
-    reader = csv.reader(_lines(path, text), strict=True)
+    _refuse_long_lines(path, text)
+    reader = csv.reader(io.StringIO(text, newline=""), strict=True)
     while True:
         line = reader.line_num + 1
         try:
@@ -147,11 +153,12 @@ def _records(path: Path, text: str) -> Iterator[tuple[int, list[str]]]:
             yield line, record
 
 
-def _lines(path: Path, text: str) -> Iterator[str]:
+def _refuse_long_lines(path: Path, text: str) -> None:
+    if max(map(len, io.StringIO(text, newline="")), default=0) <= LONGEST_LINE:
+        return
     for number, line in enumerate(io.StringIO(text, newline=""), start=1):
         if len(line) > LONGEST_LINE:
             raise BlockFolderError(path, f"has {len(line)} characters, at most {LONGEST_LINE} are allowed", number)
-        yield line
 
 
 def _check_header(path: Path, line: int, header: Sequence[str], names: Sequence[str]) -> None:
@@ -162,7 +169,12 @@ def _check_header(path: Path, line: int, header: Sequence[str], names: Sequence[
         if name not in names:
             near = _nearest(name, names)
             hint = f"did you mean {near}?" if near else f"known are {', '.join(names)}"
-            raise BlockFolderError(path, f"unknown column {shown(name)}, {hint}", line, name[:60].strip() or None)
+            raise BlockFolderError(
+                path,
+                f"unknown column {shown(name)}, {hint}",
+                line,
+                name if name.isprintable() and 0 < len(name) <= 60 else None,
+            )
         if name in seen:
             raise BlockFolderError(path, "stands twice in the header", line, name)
         seen.add(name)

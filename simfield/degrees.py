@@ -23,9 +23,11 @@ def radians_of(text: str) -> float:
     """
     if not text:
         return math.nan
-    if not math.isfinite(float(text)):
+    float(text)  # a ValueError for what is no number, where Decimal would raise an ArithmeticError
+    radians = float(DECIMAL.multiply(Decimal(text), RADIANS_PER_DEGREE))
+    if not math.isfinite(radians):
         raise ValueError(f"{text!r} is not a finite angle")
-    return float(DECIMAL.multiply(Decimal(text), RADIANS_PER_DEGREE))
+    return radians
 
 
 def degrees_text(radians: float) -> str:
@@ -39,7 +41,7 @@ def degrees_text(radians: float) -> str:
         raise ValueError(f"{radians} is not a finite angle")
     exact = DECIMAL.divide(Decimal(radians), RADIANS_PER_DEGREE)
     for digits in range(FEWEST_DIGITS, MOST_DIGITS + 1):
-        text = _plain(Context(prec=digits, traps=[]).plus(exact))
+        text = _plain(Context(prec=digits, traps=[]).create_decimal(exact))
         if radians_of(text) == radians:
             return text
     raise AssertionError(f"{radians!r} rad has no text of {MOST_DIGITS} digits")  # 17 digits tell any two floats apart

@@ -6,10 +6,40 @@ import dataclasses
 import difflib
 from typing import Any
 
-from adjust.ap_models.mauelshagen import Brown14, NoModel, Optical, Torlegard
+from adjust.ap_models.brown import Brown1976
+from adjust.ap_models.ebner import Ebner12
+from adjust.ap_models.elhakim_faig import ElHakimFaig11
+from adjust.ap_models.fourier import Fourier
+from adjust.ap_models.gruen import Gruen12, Gruen44
+from adjust.ap_models.jacobsen import Jacobsen12
+from adjust.ap_models.koelbl_juhl import KoelblJuhl9
+from adjust.ap_models.mauelshagen import Brown14, Mauelshagen14, NoModel, Optical, Torlegard
 from adjust.ap_models.model import ApModel, Certainty
+from adjust.ap_models.products import Chebyshev, Legendre
+from adjust.ap_models.salmenpera_kilpela import SalmenperaKilpela7
+from adjust.ap_models.schut import Schut14
+from adjust.ap_models.zernike import Zernike
 
-MODELS: tuple[type[ApModel], ...] = (NoModel, Optical, Torlegard, Brown14)
+MODELS: tuple[type[ApModel], ...] = (
+    NoModel,
+    Optical,
+    Torlegard,
+    Brown14,
+    Ebner12,
+    ElHakimFaig11,
+    Gruen12,
+    KoelblJuhl9,
+    Mauelshagen14,
+    Schut14,
+    SalmenperaKilpela7,
+    Gruen44,
+    Brown1976,
+    Jacobsen12,
+    Legendre,
+    Fourier,
+    Chebyshev,
+    Zernike,
+)
 
 
 def names() -> tuple[str, ...]:

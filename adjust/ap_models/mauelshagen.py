@@ -1,4 +1,4 @@
-"""The three models of Mauelshagen 1980, sections 3.1 to 3.3.
+"""The three models of Mauelshagen 1980, sections 3.1 to 3.3, and his polynomial of 14 terms.
 
 The paper prints (r^2 - 2x^2), (r^2 - 2y^2) and, in 3.3, b4 xy. Its own Table 2 is reproduced only with Brown's terms
 (r^2 + 2x^2), (r^2 + 2y^2) and b4 x^2 y, which are the default here; as_printed=True keeps the printed form.
@@ -10,10 +10,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import ClassVar
 
-from adjust.ap_models.model import ApModel, Certainty, Term, numbered
+from adjust.ap_models.model import ApModel, Certainty, Term, along_radius, numbered
 from simfield.block import Floats
 
-SECOND_ZERO = {"about": "second zero crossing of the radial distortion"}
+SECOND_ZERO = {"about": "second zero crossing of the radial distortion; 0 for plain powers of r", "at_least": 0.0}
 AS_PRINTED = {"about": "the decentering signs (and b4) as the paper misprints them"}
 
 
@@ -141,8 +141,27 @@ class Brown14(ApModel):
         ]
 
 
-def along_radius(x: Floats, y: Floats, functions: Sequence[Floats]) -> list[Term]:
-    """(x/r) q, (y/r) q for each q, with the limit 0 at r = 0 where every q here vanishes faster than r."""
-    r = (x**2 + y**2) ** 0.5
-    r = r + (r == 0.0)
-    return [(x / r * q, y / r * q) for q in functions]
+@dataclass(frozen=True)
+class Mauelshagen14(ApModel):
+    """The complete cubic polynomial, less what the orientation takes up."""
+
+    id: ClassVar[str] = "mauelshagen14"
+    title: ClassVar[str] = "Mauelshagen's polynomial, 14 terms"
+    author: ClassVar[str] = "Mauelshagen"
+    year: ClassVar[int] = 1982
+    source: ClassVar[str] = "Ziemann & El-Hakim 1982, p. 120, parameter set l"
+    certainty: ClassVar[Certainty] = Certainty.CERTAIN
+    formula: ClassVar[str] = (
+        "dx = a1 xy + a2 y^2 + a3 x^3 + a4 x^2 y + a5 xy^2 + a6 y^3\n"
+        "dy = b1 x + b2 y + b3 x^2 + b4 xy + b5 x^3 + b6 x^2 y + b7 xy^2 + b8 y^3"
+    )
+
+    @property
+    def parameters(self) -> tuple[str, ...]:
+        return (*numbered("a", 6), *numbered("b", 8))
+
+    def terms(self, x: Floats, y: Floats) -> Sequence[Term]:
+        cubic = [x**3, x**2 * y, x * y**2, y**3]
+        in_x = [x * y, y**2, *cubic]
+        in_y = [x, y, x**2, x * y, *cubic]
+        return [*((f, 0) for f in in_x), *((0, f) for f in in_y)]

@@ -8,9 +8,10 @@ terms (its basis) is also its Jacobian.
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
+from numbers import Real
 from typing import Any, ClassVar
 
 import numpy as np
@@ -22,7 +23,12 @@ Term = tuple[Any, Any]
 
 
 class Certainty(StrEnum):
-    """How sure the formula of a set is."""
+    """How sure the formula of a set is.
+
+    CERTAIN: confirmed by a second source or by a computed property. READING: the best reading of a bad scan.
+    RECONSTRUCTION: parts of the printed form could not be read and are guessed. MEMORY: from general knowledge, with no
+    page of the source at hand.
+    """
 
     CERTAIN = "certain"
     READING = "reading"
@@ -43,6 +49,7 @@ class ApModel:
     title: ClassVar[str]
     author: ClassVar[str]
     year: ClassVar[int]
+    """of the set, or of the page that gives it where the year of the set itself is not known"""
     source: ClassVar[str]
     certainty: ClassVar[Certainty]
     formula: ClassVar[str] = ""
@@ -56,6 +63,21 @@ class ApModel:
     def terms(self, x: Floats, y: Floats) -> Sequence[Term]:
         """The terms at x, y (k), mm: one (dx, dy) a parameter, in mm per unit of the parameter."""
         raise NotImplementedError
+
+    @property
+    def why_not_estimable(self) -> Mapping[str, str]:
+        """The parameters that a flat near-vertical block cannot tell from its exterior orientation, and why."""
+        return {}
+
+    @property
+    def not_estimable(self) -> tuple[str, ...]:
+        """The names of the parameters in `why_not_estimable`."""
+        return tuple(self.why_not_estimable)
+
+    @property
+    def orthogonal_on_mm(self) -> tuple[float, ...]:
+        """The x (and y) of the grid on which the set claims to be orthogonal, also to the orientation; or none."""
+        return ()
 
     def basis(self, x_mm: Floats, y_mm: Floats) -> Floats:
         """All terms as one array (k, 2, a) at image coordinates x_mm, y_mm (k)."""
@@ -72,11 +94,39 @@ class ApModel:
         return {f.name: getattr(self, f.name) for f in dataclasses.fields(self)}
 
     def __post_init__(self) -> None:
-        for name, value in self.settings.items():
-            if isinstance(value, float | int) and not isinstance(value, bool) and not np.isfinite(value):
-                raise ValueError(f"{self.id}: {name} = {value} is not allowed, it must be finite")
+        for f in dataclasses.fields(self):
+            value = getattr(self, f.name)
+            if complaint := _complaint(value, f):
+                raise ValueError(f"{self.id}: {f.name} = {value} is not allowed, it must be {complaint}")
+
+
+def _complaint(value: Any, setting: dataclasses.Field[Any]) -> str:
+    """What the value of a setting must be and is not; empty if it is all right."""
+    truth = isinstance(value, bool | np.bool_)
+    if isinstance(setting.default, bool):
+        return "" if truth else "True or False"
+    if "range" in setting.metadata:
+        low, high = setting.metadata["range"]
+        whole = isinstance(value, int | np.integer) and not truth
+        return "" if whole and low <= value <= high else f"a whole number from {low} to {high}"
+    if isinstance(setting.default, float) and (truth or not isinstance(value, Real)):
+        return "a number"
+    if isinstance(value, Real) and not np.isfinite(float(value)):
+        return "finite"
+    if "above" in setting.metadata and value <= setting.metadata["above"]:
+        return f"greater than {setting.metadata['above']:g}"
+    if "at_least" in setting.metadata and value < setting.metadata["at_least"]:
+        return f"at least {setting.metadata['at_least']:g}"
+    return ""
 
 
 def numbered(letter: str, count: int, start: int = 1) -> tuple[str, ...]:
     """Parameter names such as b1 .. b14."""
     return tuple(f"{letter}{i}" for i in range(start, start + count))
+
+
+def along_radius(x: Floats, y: Floats, functions: Sequence[Floats]) -> list[Term]:
+    """(x/r) q, (y/r) q for each q; 0 at r = 0, which is the limit because every q must vanish there."""
+    r = np.hypot(x, y)
+    r = r + (r == 0.0)
+    return [(x / r * q, y / r * q) for q in functions]

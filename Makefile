@@ -1,0 +1,39 @@
+# Needs GNU make, Python 3.11 or later and a package index. Every target makes .venv on first use.
+PYTHON ?= python3
+# pytest-xdist workers; 0 runs the tests in one process
+JOBS ?= auto
+PYTEST_ARGS ?=
+
+VENV := .venv
+BIN := $(VENV)/bin
+INSTALLED := $(VENV)/.installed
+
+.DEFAULT_GOAL := help
+.PHONY: help install test test-fast check reproduce
+
+help: ## show this list
+	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/make \1\t\2/p' $(MAKEFILE_LIST) | expand -t 16
+
+install: $(INSTALLED) ## make .venv with the project (editable) and its development tools
+
+# The stamp is newer than pyproject.toml only if the last installation went through.
+$(INSTALLED): pyproject.toml
+	@$(PYTHON) -c 'import sys; sys.exit("Python 3.11 or later is needed, PYTHON=... names it" if sys.version_info < (3, 11) else 0)'
+	$(PYTHON) -m venv $(VENV)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[dev]'
+	@touch $@
+
+test: $(INSTALLED) ## run every test
+	$(BIN)/python -m pytest -n $(JOBS) $(PYTEST_ARGS)
+
+test-fast: $(INSTALLED) ## run the tests that take no more than seconds
+	$(BIN)/python -m pytest -n $(JOBS) -m 'not slow' $(PYTEST_ARGS)
+
+check: $(INSTALLED) ## ruff, formatting, types and the layers of the packages
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+	$(BIN)/lint-imports
+
+reproduce: $(INSTALLED) ## repeat the experiment of Mauelshagen 1980 into results/mauelshagen-1980
+	$(BIN)/simfield reproduce mauelshagen-1980

@@ -1,0 +1,165 @@
+"""Thousands of trials of one geometry.
+
+Noise moves the estimates by a few standard deviations, so one factorisation at the nominal geometry serves all trials:
+every trial iterates x <- x - Q g(x) with the cofactors Q of the nominal adjustment and its own exact gradient
+g = A^T P v (adjust.chord). This contracts about a thousandfold a step, and ends where g vanishes, which is where full
+Gauss-Newton ends. A trial has converged when the error left, bounded by the last step and the contraction observed, is
+below 1e-8 standard deviations for every unknown. A trial that does not contract is finished by full Gauss-Newton.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Protocol
+
+import joblib
+import numpy as np
+import numpy.typing as npt
+from threadpoolctl import threadpool_limits
+
+from adjust.adjustment import Adjustment
+from adjust.ap_models.model import ApModel
+from adjust.chord import GAUSS_NEWTON, STATUSES, Chord, Trials
+from adjust.kernels import LANES
+from adjust.status import Status
+from simfield.block import Block, Floats
+
+TASK = 16 * LANES
+"""trials a task: fixed, so that a trial's neighbours are the same for any number of jobs"""
+
+
+class ImagePointTrials(Protocol):
+    """Image coordinates of many trials: an array (t, k, 2), or an object that draws such slices when they are asked for."""
+
+    def __len__(self) -> int: ...
+
+    def __getitem__(self, trials: slice, /) -> Floats: ...
+
+
+@dataclass(frozen=True, eq=False)
+class Replicates:
+    """Estimates of t trials; those of trials that failed are NaN.
+
+    nominal: the adjustment of the block itself, whose cofactors serve all trials; trials: the estimates in the layout
+    of `nominal.layout`, with the status and the route of every trial.
+    """
+
+    nominal: Adjustment
+    trials: Trials
+
+    def __len__(self) -> int:
+        return len(self.trials.x)
+
+    @property
+    def status(self) -> list[Status]:
+        """How each trial ended."""
+        return [STATUSES[code] for code in self.trials.status]
+
+    @property
+    def ok(self) -> npt.NDArray[np.bool_]:
+        """(t) the trials that converged."""
+        return np.asarray(self.trials.status == STATUSES.index(Status.CONVERGED))
+
+    @property
+    def iterations(self) -> npt.NDArray[np.int16]:
+        """(t)."""
+        return self.trials.iterations
+
+    @property
+    def finished_by_gauss_newton(self) -> int:
+        """The number of trials that the chord iteration left to full Gauss-Newton."""
+        return int(np.sum(self.trials.route == GAUSS_NEWTON))
+
+    @property
+    def sigma0(self) -> Floats:
+        """(t)."""
+        return np.asarray(np.sqrt(self.trials.vpv / self.nominal.redundancy))
+
+    @property
+    def m0_um(self) -> Floats:
+        """(t) sigma0 times the standard deviation of unit weight, um."""
+        return self.sigma0 * self.nominal.unit_weight_um
+
+    @property
+    def images(self) -> Floats:
+        """(t, m, 6) exterior orientations, m and rad."""
+        images = self.trials.x[:, : 6 * len(self.nominal.block.images)].reshape(len(self), -1, 6).copy()
+        images[:, :, :3] += self.nominal.layout.origin
+        return images
+
+    @property
+    def points(self) -> Floats:
+        """(t, n, 3) adjusted coordinates, m."""
+        reduced = self.trials.x[:, self.nominal.layout.orientation :].reshape(len(self), -1, 3)
+        return np.asarray(reduced + self.nominal.layout.origin)
+
+    def ap(self, set_id: str) -> Floats:
+        """(t, a) the additional parameters of a camera. Raises KeyError for an id that has none."""
+        for s in self.nominal.layout.sets:
+            if s.id == set_id:
+                return self.trials.x[:, s.columns]
+        raise KeyError(f"no additional parameters of {set_id!r} in this adjustment")
+
+    @property
+    def std(self) -> Floats:
+        """(t, size) formal standard deviations: nominal cofactors times each trial's sigma0 (good to about 2e-4)."""
+        return np.asarray(self.sigma0[:, None] * np.sqrt(self.nominal.cofactors.diagonal))
+
+
+def adjust_replicates(
+    block: Block,
+    model: ApModel | Mapping[str, ApModel] | None,
+    image_points: ImagePointTrials,
+    *,
+    coordinates: Floats | None = None,
+    jobs: int = 1,
+) -> Replicates:
+    """Adjust t trials that share the geometry of `block`.
+
+    image_points (t, k, 2), mm, in the order of the block's observations: an array, or an object with a length whose
+    slices are such arrays. coordinates (t, n, 3), m: the given coordinates of the points in every trial, where control
+    is disturbed too; None: those of the block. jobs: processes; the result does not depend on their number.
+
+    Returns what `adjust_block` finds for every trial, to 1e-8 standard deviations of every unknown. Raises ValueError
+    when the block itself cannot be adjusted or shapes do not fit.
+    """
+    count = len(image_points)
+    _check_shapes(block, image_points, coordinates)
+    with threadpool_limits(1):
+        chord = Chord.of(block, model)
+    tasks = [slice(first, min(first + TASK, count)) for first in range(0, count, TASK)]
+    if jobs == 1:
+        parts = [_solve(chord, image_points, coordinates, task) for task in tasks]
+    else:
+        # arrays are cut before they travel, objects that draw travel whole and draw over there
+        parts = joblib.Parallel(n_jobs=jobs)(
+            joblib.delayed(_solve)(
+                chord,
+                image_points[task] if isinstance(image_points, np.ndarray) else image_points,
+                None if coordinates is None else coordinates[task],
+                slice(0, task.stop - task.start) if isinstance(image_points, np.ndarray) else task,
+            )
+            for task in tasks
+        )
+    return Replicates(chord.nominal, Trials.joined(parts, len(chord.nominal.x)))
+
+
+def _check_shapes(block: Block, image_points: ImagePointTrials, coordinates: Floats | None) -> None:
+    k, n = len(block.observations), len(block.points)
+    shape = np.shape(image_points[0:1])
+    if len(shape) != 3 or shape[1:] != (k, 2):
+        raise ValueError(f"image_points: a slice has shape {shape}, needed is (t, {k}, 2)")
+    if coordinates is not None and coordinates.shape != (len(image_points), n, 3):
+        raise ValueError(f"coordinates has shape {coordinates.shape}, needed is ({len(image_points)}, {n}, 3)")
+
+
+def _solve(chord: Chord, image_points: ImagePointTrials, coordinates: Floats | None, trials: slice) -> Trials:
+    """Solve some trials in blocks of LANES."""
+    parts = []
+    with threadpool_limits(1):
+        for first in range(trials.start, trials.stop, LANES):
+            block = slice(first, min(first + LANES, trials.stop))
+            xy = np.asarray(image_points[block], dtype=float)
+            parts.append(chord.solve(xy, None if coordinates is None else coordinates[block]))
+    return Trials.joined(parts, len(chord.nominal.x))

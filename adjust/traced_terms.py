@@ -1,0 +1,203 @@
+"""The terms of an AP model as one compiled function, traced from its declaration.
+
+A model's `terms` is run once on symbols; every operation is recorded once, the record is written out as scalar code, and
+that is compiled. A model that does more than arithmetic, square roots and the like cannot be traced; it raises
+UntraceableError, and callers fall back to its numpy basis.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import importlib.util
+import inspect
+import os
+import sys
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+
+from adjust import kernels
+from adjust.ap_models.model import ApModel
+
+UFUNCS = {
+    np.add: "{0} + {1}",
+    np.subtract: "{0} - {1}",
+    np.multiply: "{0} * {1}",
+    np.true_divide: "{0} / {1}",
+    np.negative: "-{0}",
+    np.sqrt: "math.sqrt({0})",
+    np.sin: "math.sin({0})",
+    np.cos: "math.cos({0})",
+    np.arctan2: "math.atan2({0}, {1})",
+    np.exp: "math.exp({0})",
+    np.abs: "abs({0})",
+    np.square: "{0} * {0}",
+    np.hypot: "math.sqrt({0} * {0} + {1} * {1})",
+    np.equal: "(1.0 if {0} == {1} else 0.0)",
+    np.not_equal: "(1.0 if {0} != {1} else 0.0)",
+    np.greater: "(1.0 if {0} > {1} else 0.0)",
+    np.less: "(1.0 if {0} < {1} else 0.0)",
+}
+POWER_MOST = 16
+"""whole powers up to this are written as products"""
+
+
+class UntraceableError(TypeError):
+    """The model's terms do something that has no scalar form here."""
+
+
+@dataclass(eq=False)
+class _Record:
+    """Single-assignment lines, each written once."""
+
+    lines: list[str] = field(default_factory=list)
+    known: dict[str, str] = field(default_factory=dict)
+
+    def put(self, expression: str) -> _Symbol:
+        if expression not in self.known:
+            name = f"t{len(self.lines)}"
+            self.lines.append(f"{name} = {expression}")
+            self.known[expression] = name
+        return _Symbol(self, self.known[expression])
+
+
+class _Symbol(np.lib.mixins.NDArrayOperatorsMixin):
+    """A traced value: numpy's operators and functions on it are recorded instead of computed."""
+
+    __hash__ = None  # type: ignore[assignment]
+
+    def __init__(self, record: _Record, name: str) -> None:
+        self.record, self.name = record, name
+
+    def __array_ufunc__(self, ufunc: Any, method: str, *inputs: Any, **options: Any) -> Any:
+        if method != "__call__" or options:
+            raise UntraceableError(f"numpy.{ufunc.__name__}.{method}")
+        if ufunc is np.power:
+            return self._power(*inputs)
+        if ufunc is np.positive:
+            return inputs[0]
+        if ufunc not in UFUNCS:
+            raise UntraceableError(f"numpy.{ufunc.__name__}")
+        return self.record.put(UFUNCS[ufunc].format(*(self._operand(i) for i in inputs)))
+
+    def _operand(self, value: Any) -> str:
+        if isinstance(value, _Symbol):
+            return value.name
+        if np.ndim(value) == 0 and np.isrealobj(value):
+            return repr(float(value))
+        raise UntraceableError(f"an operand of type {type(value).__name__}")
+
+    def _power(self, base: Any, exponent: Any) -> Any:
+        if isinstance(exponent, _Symbol) or not isinstance(base, _Symbol):
+            raise UntraceableError("a variable exponent")
+        if exponent == 0.5:
+            return np.sqrt(base)
+        if float(exponent).is_integer() and 1 <= exponent <= POWER_MOST:
+            return self._whole_power(base, int(exponent))
+        return self.record.put(f"{base.name} ** {float(exponent)!r}")
+
+    def _whole_power(self, base: Any, exponent: int) -> Any:
+        if exponent == 1:
+            return base
+        half = self._whole_power(base, exponent // 2)
+        square = half * half
+        return square * base if exponent % 2 else square
+
+    def __array_function__(self, function: Any, types: Any, args: Any, kwargs: Any) -> Any:
+        if function is np.zeros_like:
+            return 0.0
+        if function is np.ones_like:
+            return 1.0
+        if function is np.where and len(args) == 3:
+            condition, yes, no = (self._operand(a) for a in args)
+            return self.record.put(f"({yes} if {condition} != 0.0 else {no})")
+        raise UntraceableError(f"numpy.{function.__name__}")
+
+    def __bool__(self) -> bool:
+        raise UntraceableError("a branch on a coordinate")
+
+
+def compile_gradient(model: ApModel) -> Callable[..., Any]:
+    """`adjust.kernels.gradient_block` with the terms of this model, compiled. Raises UntraceableError."""
+    record = _Record()
+    x, y = _Symbol(record, "x"), _Symbol(record, "y")
+    try:
+        terms = list(model.terms(x, y))  # type: ignore[arg-type]
+    except UntraceableError:
+        raise
+    except Exception as error:
+        raise UntraceableError(f"{type(error).__name__}: {error}") from error
+    distortion: tuple[list[str], list[str]] = ([], [])
+    pulls = []
+    for j, term in enumerate(terms):
+        forces = []
+        for part, total, force in zip(term, distortion, ("fx", "fy"), strict=True):
+            if isinstance(part, _Symbol) or np.any(np.asarray(part) != 0.0):
+                name = x._operand(part)
+                total.append(f"context[{kernels.PARAMETERS + j}, t] * {name}")
+                forces.append(f"{name} * {force}")
+        if forces:
+            pulls.append(f"sums[{kernels.PULL + j}, t] += {' + '.join(forces)}")
+    dx, dy = (" + ".join(total) or "0.0" for total in distortion)
+    return _load(_source(record.lines, [f"return {dx}, {dy}"], pulls or ["pass"])).gradient_block
+
+
+def _source(lines: list[str], distortion: list[str], pulls: list[str]) -> str:
+    inline = '@numba.njit(error_model="numpy", fastmath={"contract"}, inline="always")'
+    compiled = '@numba.njit(cache=CACHE, error_model="numpy", fastmath={"contract", "nnan", "nsz"})'
+    return "\n".join(
+        [
+            "from typing import Any",
+            "import math",
+            "import numba",
+            "import numpy as np",
+            inline,
+            "def distort(x, y, context, t):",
+            *(f"    {line}" for line in [*lines, *distortion]),
+            inline,
+            "def pull(x, y, fx, fy, sums, t):",
+            *(f"    {line}" for line in [*lines, *pulls]),
+            compiled,
+            inspect.getsource(kernels.gradient_block),
+        ]
+    )
+
+
+def _cache_folder() -> Path | None:
+    """Where generated code is kept, so that a second process need not compile; None where nothing can be written."""
+    given = os.environ.get("SIMFIELD_CACHE_DIR")
+    folder = Path(given) if given else Path.home() / ".cache" / "simfield"
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError:
+        return None
+    return folder if os.access(folder, os.W_OK) else None
+
+
+def _load(source: str) -> ModuleType:
+    digest = hashlib.sha256(source.encode()).hexdigest()[:16]
+    name = f"_simfield_terms_{digest}"
+    if name in sys.modules:
+        return sys.modules[name]
+    folder = _cache_folder()
+    if folder is None:
+        module = ModuleType(name)
+        exec(compile(source.replace("CACHE", "False"), name, "exec"), module.__dict__)
+        sys.modules[name] = module
+        return module
+    path = folder / f"{name}.py"
+    text = source.replace("CACHE", "True")
+    if not path.exists() or path.read_text(encoding="utf-8") != text:
+        temporary = path.with_suffix(f".{os.getpid()}.tmp")
+        temporary.write_text(text, encoding="utf-8")
+        temporary.replace(path)
+    spec = importlib.util.spec_from_file_location(name, path)
+    assert spec is not None and spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[name] = module
+    spec.loader.exec_module(module)
+    return module

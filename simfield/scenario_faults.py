@@ -1,0 +1,108 @@
+"""Faults of a scenario file in words: one line each with the place, what was found and what is allowed."""
+
+from __future__ import annotations
+
+import difflib
+import json
+from collections.abc import Iterable, Mapping
+from dataclasses import fields
+from typing import TYPE_CHECKING, Any
+
+from simfield.cameras import CameraModel
+from simfield.distortion import FilmVariation
+from simfield.effects import EFFECTS, EffectOn
+from simfield.fields import Control, Quincunx, RegularGrid, Relief
+from simfield.flights import Flight
+from simfield.kinds import by_kind
+from simfield.measurement import Measurement, PointCount
+from simfield.noise import Noise
+from simfield.scenario import Scenario, StartValues
+
+if TYPE_CHECKING:
+    from pydantic_core import ErrorDetails
+
+KINDS = by_kind((Quincunx, RegularGrid, *EFFECTS))
+
+TABLES: Mapping[str, type[Any]] = {
+    "cameras": CameraModel,
+    "flights": Flight,
+    "control": Control,
+    "relief": Relief,
+    "effects": EffectOn,
+    "film": FilmVariation,
+    "noise": Noise,
+    "measurement": Measurement,
+    "counts": PointCount,
+    "start": StartValues,
+}
+"""What stands under these keys, in a list, under free names or by itself."""
+
+
+def fault_lines(details: list[ErrorDetails], table: Mapping[str, Any]) -> list[str]:
+    """One line for each fault; where several types are allowed at one place, pydantic reports each of them."""
+    lines: dict[str, str] = {}
+    for detail in details:
+        steps = _real_steps(detail["loc"], table)
+        place = _place(steps) or "scenario"
+        line = _line(detail, steps, place, table)
+        before, allowed = lines.get(place), line.partition(", allowed: ")[2]
+        lines[place] = line if not before else f"{before} or {allowed}" if allowed else f"{before}; {line}"
+    return list(lines.values())
+
+
+def _line(detail: ErrorDetails, steps: tuple[int | str, ...], place: str, table: Mapping[str, Any]) -> str:
+    """One fault in one line: place, what was found, what is allowed."""
+    context = detail.get("ctx", {})
+    if detail["type"] == "unexpected_keyword_argument":
+        return f"{place}: unknown key{nearest(str(steps[-1]), _known_keys(steps[:-1], table))}"
+    if detail["type"] == "missing":
+        return f"{place}: is missing"
+    if detail["type"] == "value_error":
+        return str(context["error"]) if place == "scenario" else f"{place}: {context['error']}"
+    if detail["type"] == "union_tag_not_found":
+        return f"{place}.kind: is missing"
+    if detail["type"] == "union_tag_invalid":
+        return f"{place}.kind: found {shown(context['tag'])}, allowed: {context['expected_tags']}"
+    allowed = detail["msg"].removeprefix("Input should be ").replace("an object", "a table").replace("a valid", "a")
+    return f"{place}: found {shown(detail['input'])}, allowed: {allowed}"
+
+
+def _real_steps(loc: tuple[int | str, ...], table: Any) -> tuple[int | str, ...]:
+    """The place without the names of union members that pydantic puts between."""
+    steps: list[int | str] = []
+    node = table
+    for number, step in enumerate(loc):
+        inside = step in node if isinstance(node, Mapping) else isinstance(node, list) and step in range(len(node))
+        if inside:
+            node = node[step]
+        elif number < len(loc) - 1 or not isinstance(node, Mapping) or step in KINDS or "[" in str(step):
+            continue
+        steps.append(step)
+    return tuple(steps)
+
+
+def _known_keys(steps: tuple[int | str, ...], table: Any) -> list[str]:
+    """The keys that the table at a place can have."""
+    for step in steps:
+        table = table[step]
+    if isinstance(table, Mapping) and table.get("kind") in KINDS:
+        return [f.name for f in fields(KINDS[table["kind"]])]
+    named = [TABLES[step] for step in steps if isinstance(step, str) and step in TABLES]
+    return [f.name for f in fields(named[-1] if named else Scenario)]
+
+
+def _place(steps: tuple[int | str, ...]) -> str:
+    return "".join(f"[{s}]" if isinstance(s, int) else f".{s}" for s in steps).removeprefix(".")
+
+
+def nearest(name: object, known: Iterable[str]) -> str:
+    """The end of a line about an unknown name: the known name that it resembles, or all of them."""
+    known = sorted(known)
+    near = difflib.get_close_matches(str(name), known, n=1)
+    return f", did you mean {near[0]!r}?" if near else f"; known are {', '.join(known)}"
+
+
+def shown(value: object) -> str:
+    """A value as a file would show it, shortened."""
+    shown = json.dumps(value, default=str)
+    return shown if len(shown) <= 60 else shown[:57] + "..."
