@@ -28,8 +28,9 @@ def adjust_block(block: Block, model: ApModel | Mapping[str, ApModel] | None = N
     eliminated (Triggs et al. 2000, Bundle adjustment - a modern synthesis, sections 4 and 6).
     """
     unknowns = Unknowns.of(block, NoModel() if model is None else model)
-    groups = Observations.of(block, unknowns)
-    solution = _checked_solution(unknowns, groups)
+    with np.errstate(all="ignore"):  # what is not finite ends with a status, not with a warning
+        groups = Observations.of(block, unknowns)
+        solution = _checked_solution(unknowns, groups)
     sentence = solution.status.value + (f": {solution.detail}" if solution.detail else "")
     return Adjustment(
         block, unknowns, groups, solution.x, solution.status, sentence, solution.iterations, solution.factor

@@ -21,7 +21,7 @@ from adjust.ap_models.model import ApModel
 from adjust.bundle import adjust_block
 from adjust.kernels import LANES
 from adjust.observations import Observations
-from adjust.rotation import rotation_matrices
+from adjust.rotation import rotation_rows
 from adjust.solve import solve
 from adjust.status import Status
 from adjust.traced_terms import UntraceableError, compile_gradient
@@ -56,7 +56,7 @@ class Trials:
 
 @dataclass(frozen=True, eq=False)
 class Chord:
-    """What all trials share: the nominal adjustment, the standard deviations s (size), 0 for fixed coordinates, and C."""
+    """What all trials share: the nominal adjustment, the standard deviations s (size, 0 for fixed coordinates), and C."""
 
     nominal: Adjustment
     s: Floats
@@ -95,18 +95,19 @@ class Chord:
         g = self.nominal.groups.image_points
         return g.starts.astype(np.uint64), g.point.astype(np.uint64), g.weight, g.interior
 
-    def solve(self, image_points: Floats, coordinates: Floats | None) -> Trials:
-        """Solve t <= LANES trials: image_points (t, k, 2), coordinates (t, n, 3) or None for those of the block."""
-        count = len(image_points)
+    def solve(self, image_points: Any, coordinates: Floats | None, trials: slice) -> Trials:
+        """Solve at most LANES trials of image_points (t, k, 2) and coordinates (t, n, 3; None: those of the block)."""
+        count = trials.stop - trials.start
+        coordinates = None if coordinates is None else coordinates[trials]
         x = np.repeat(self.nominal.x[:, None], LANES, axis=1)
         given = self._given(coordinates)
         vpv, iterations = np.full(LANES, np.nan), np.zeros(LANES, dtype=np.int16)
         converged = np.zeros(LANES, dtype=bool)
         if self.gradients is not None:
-            xy = _lanes(image_points, self.nominal.groups.image_points.order)
+            xy = _lanes(image_points, trials, self.nominal.groups.image_points.order)
             x[~self.nominal.layout.free] = given[~self.nominal.layout.free]
             converged = self._iterate(x, xy, given, vpv, iterations, np.arange(LANES) < count)
-        trials = Trials(
+        solved = Trials(
             np.ascontiguousarray(x[:, :count].T),
             vpv[:count],
             np.full(count, STATUSES.index(Status.CONVERGED), dtype=np.int8),
@@ -114,8 +115,10 @@ class Chord:
             np.where(converged[:count], CHORD, GAUSS_NEWTON).astype(np.int8),
         )
         for trial in np.flatnonzero(~converged[:count]):
-            self._finish(trials, int(trial), image_points[trial], None if coordinates is None else coordinates[trial])
-        return trials
+            at = trials.start + int(trial)
+            xy_of_trial = np.asarray(image_points[at : at + 1], dtype=float)[0]
+            self._finish(solved, int(trial), xy_of_trial, None if coordinates is None else coordinates[trial])
+        return solved
 
     def _given(self, coordinates: Floats | None) -> Floats:
         """(size, LANES) the reduced coordinates given for the points; other rows are not used."""
@@ -135,18 +138,23 @@ class Chord:
         before = np.full(LANES, np.inf)
         y = np.zeros_like(x)
         s = self.s[:, None]
-        nominal = np.where(self.nominal.layout.free[:, None], self.nominal.x[:, None], x)
+        start = x.copy()
         for step in range(1, STEPS_MOST + 1):
             gradient, cost, depth = self._gradient(x, xy, given)
-            change = self.correlation @ (s * gradient).astype(np.float32)
-            length = np.abs(change).max(axis=0).astype(float)
-            sound = active & (depth > 0.0) & np.isfinite(length)
+            gradient *= s
+            change = self.correlation @ gradient.astype(np.float32)
+            length = np.maximum(change.max(axis=0), -change.min(axis=0)).astype(float)
+            active = active & (depth > 0.0) & np.isfinite(length)
             contraction = length / before
-            # the first step measures a distance, not an error: nothing is known of the contraction yet
-            active = sound & ((contraction < CONTRACTION_MOST) if step > 1 else True)
-            y[:, active] -= change[:, active]
-            x[:, active] = (nominal + s * y)[:, active]
+            if step > 1:
+                active &= contraction < CONTRACTION_MOST
+            if not active.all():
+                change[:, ~active] = 0.0
+            y -= change
+            np.multiply(s, y, out=x)
+            x += start
             vpv[active], iterations[active] = cost[active], step
+            # the first step measures a distance, not an error: nothing is known of the contraction yet
             left = length * contraction / (1.0 - np.minimum(contraction, CONTRACTION_MOST))
             done = active & (left < ERROR_LEFT) & (step > 1)
             converged |= done
@@ -161,8 +169,7 @@ class Chord:
         layout = self.nominal.layout
         images = len(layout.block.images)
         exterior = x[: 6 * images].reshape(images, 6, LANES)
-        angles = exterior[:, 3:].transpose(0, 2, 1).reshape(-1, 3)
-        rotation = rotation_matrices(angles).reshape(images, LANES, 9).transpose(0, 2, 1)
+        rotation = rotation_rows(exterior[:, 3:])
         gradient = np.zeros_like(x)
         vpv, depth = np.zeros(LANES), np.full(LANES, np.inf)
         starts, point, weight, interior = self.indices
@@ -217,10 +224,12 @@ def _by_angles(exterior: Floats, rotation: Floats, torque: Floats) -> Floats:
     return -np.stack([torque[:, 0], second, third], axis=1)
 
 
-def _lanes(image_points: Floats, order: npt.NDArray[np.intp]) -> Floats:
-    """(k, 2, LANES) from (t, k, 2): trials inmost, sorted by image; missing trials repeat the first."""
-    count, k, _ = image_points.shape
-    lanes = np.empty((k, 2, LANES))
-    lanes[:, :, :count] = image_points[:, order].transpose(1, 2, 0)
-    lanes[:, :, count:] = lanes[:, :, :1]
+def _lanes(image_points: Any, trials: slice, order: npt.NDArray[np.intp]) -> Floats:
+    """(k, 2, LANES): trials inmost, sorted by image; lanes without a trial repeat the first one."""
+    lanes = np.empty((len(order), 2, LANES))
+    if hasattr(image_points, "fill_lanes"):
+        image_points.fill_lanes(trials, order, lanes)
+    else:
+        kernels.transpose(np.ascontiguousarray(image_points[trials], dtype=float), order, lanes)
+    lanes[:, :, trials.stop - trials.start :] = lanes[:, :, :1]
     return lanes

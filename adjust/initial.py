@@ -10,7 +10,7 @@ import numpy as np
 from adjust.observations import ImagePoints
 from adjust.rotation import rotation_matrices
 from adjust.unknowns import Unknowns
-from simfield.block import Floats
+from simfield.block import Block, Floats
 
 NARROW = 1e-6
 """share of the weakest direction at which rays count as parallel"""
@@ -46,10 +46,18 @@ def _complete(exterior: Floats, points: Floats, image_points: ImagePoints) -> No
             )
     lost = np.isnan(points).any(axis=1)
     if lost.any():
-        point = int(np.argmax(lost))
-        raise NoStartError(
-            f"point {block.points.ids[point]} has no coordinates, and its {block.rays[point]} ray(s) do not intersect"
-        )
+        raise NoStartError(_lost(block, [int(i) for i in np.flatnonzero(lost)]))
+
+
+def _lost(block: Block, points: list[int]) -> str:
+    point, more = points[0], f" (nor do those of {len(points) - 1} more points)" if len(points) > 1 else ""
+    rays = int(block.rays[point])
+    if rays < 2:
+        return f"point {block.points.ids[point]} has no coordinates and {rays} ray{'s' * (rays != 1)}"
+    return (
+        f"the {rays} rays of point {block.points.ids[point]} do not meet in front of the cameras{more}; "
+        "check the orientation angles and their unit (degrees)"
+    )
 
 
 def _rays(exterior: Floats, image_points: ImagePoints) -> tuple[Floats, Floats]:

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from typing import Any
 
+import numba
 import numpy as np
 
 LANES = 32
@@ -86,3 +87,13 @@ def gradient_block(
                 gradient[1, t] += out[9, t]
                 gradient[2, t] += out[10, t]
     return sums
+
+
+@numba.njit(cache=True)
+def transpose(image_points: Any, order: Any, lanes: Any) -> None:
+    """lanes[k, :, t] = image_points[t, order[k], :]."""
+    for k in range(order.size):
+        at = np.uint64(order[k])
+        for t in range(image_points.shape[0]):
+            lanes[k, 0, t] = image_points[t, at, 0]
+            lanes[k, 1, t] = image_points[t, at, 1]

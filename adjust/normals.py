@@ -46,6 +46,12 @@ class Normals:
     gradient_p: Floats
     vpv: float
 
+    @property
+    def finite(self) -> bool:
+        """Whether all numbers are finite."""
+        arrays = (self.ee, self.pe, self.pp, self.gradient_e, self.gradient_p)
+        return bool(np.isfinite(self.vpv)) and all(bool(np.isfinite(a).all()) for a in arrays)
+
 
 def assemble(observations: Observations, x: Floats) -> Normals:
     """The normal equations of all groups at x."""

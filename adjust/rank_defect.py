@@ -15,7 +15,7 @@ from adjust.normals import SingularError
 from adjust.observations import Observations
 from adjust.rotation import rotation_derivatives
 from adjust.unknowns import EXTERIOR_NAMES, Unknowns
-from simfield.block import Floats
+from simfield.block import Floats, Indices
 
 NULL_SHARE = 1e-13
 """eigenvalues below this share of the largest belong to the null space; rounding leaves some 1e-16"""
@@ -103,16 +103,19 @@ def _take_loose_images(u: Unknowns, null: Floats) -> tuple[Floats, dict[int, int
 
 def _loose_images(u: Unknowns, loose: Iterable[int]) -> str:
     counts = np.bincount(u.block.observations.image, minlength=len(u.block.images))
-    said = [f"image {u.block.images.ids[i]} by its {counts[i]} measured points" for i in loose]
-    return _listed(said) + " cannot be oriented (three or more are needed, not on one line)"
+    said = [f"image {u.block.images.ids[i]} ({_points(int(counts[i]))})" for i in loose]
+    return _shortened(said) + " cannot be oriented: three or more points are needed, not on one line"
+
+
+def _points(count: int) -> str:
+    return f"{count} measured point{'s' * (count != 1)}"
 
 
 def _datum_directions(u: Unknowns, x: Floats, scale: Floats) -> Floats:
     """(E, 7) the changes of the scaled orientation unknowns under the seven similarity transformations, normed."""
     exterior = u.exterior(x)
     position = exterior[:, :3] - _pivot(u, x)
-    _, by_angle = rotation_derivatives(exterior[:, 3:])
-    rotation, _ = rotation_derivatives(exterior[:, 3:])
+    rotation, by_angle = rotation_derivatives(exterior[:, 3:])
     moves = np.zeros((len(u.block.images), 6, 7))
     moves[:, :3, :3] = np.eye(3)
     for axis in range(3):
@@ -174,8 +177,7 @@ def _datum(u: Unknowns, free: Floats) -> str:
     elif rest.shape[1]:
         share = np.linalg.norm(rest, axis=1)
         said.append("a combination of " + _listed(DATUM_NAMES[i] for i in range(7) if share[i] > LEADING * share.max()))
-    verb = "is" if len(said) == 1 else "are"
-    return f"the control fixes only {7 - defect} of the 7 datum elements, free {verb} {_listed(said)}"
+    return f"the control fixes only {7 - defect} of the 7 datum elements; free: {_listed(said)}"
 
 
 def _not_separable(u: Unknowns, null: Floats) -> str:
@@ -183,33 +185,36 @@ def _not_separable(u: Unknowns, null: Floats) -> str:
     share = np.linalg.norm(null, axis=1)
     images = 6 * len(u.block.images)
     found = [(float(share[i]), u.name(i)) for i in range(images, len(share))]
-    by_element = share[:images].reshape(-1, 6)
-    top = max([*np.linalg.norm(by_element, axis=0), *(s for s, _ in found)])
     for element, name in enumerate(EXTERIOR_NAMES):
-        column = by_element[:, element]
-        taking_part = [int(i) for i in np.flatnonzero(column >= LEADING * column.max())]
+        column = share[element:images:6]
+        taking_part = np.flatnonzero(column >= LEADING * column.max())
         found.append((float(np.linalg.norm(column)), f"{name} of {_images(u, taking_part)}"))
-    leading = [name for s, name in sorted(found, key=lambda f: -f[0]) if s >= LEADING * top]
-    if len(leading) > NAMES_MOST:
-        leading = [*leading[:NAMES_MOST], f"{len(leading) - NAMES_MOST} more"]
+    top = max(s for s, _ in found)
+    leading = [name for s, name in found if s >= LEADING * top]
     if len(leading) == 1:
         return f"{leading[0]} cannot be determined"
     combinations = f" (rank defect {null.shape[1]})" if null.shape[1] > 1 else ""
-    return f"{_listed(leading)} cannot be separated{combinations}"
+    return f"{_shortened(leading)} cannot be separated{combinations}"
 
 
-def _images(u: Unknowns, chosen: list[int]) -> str:
+def _images(u: Unknowns, chosen: Indices) -> str:
     ids, camera = u.block.images.ids, u.block.images.camera
+    mine = camera == camera[chosen[0]]
     if len(chosen) == 1:
         return f"image {ids[chosen[0]]}"
     if len(chosen) == len(ids):
         return f"all {len(ids)} images"
-    cameras = set(camera[chosen].tolist())
-    if len(cameras) == 1 and len(chosen) == np.sum(camera == camera[chosen[0]]):
+    if mine[chosen].all() and len(chosen) == mine.sum():
         return f"all {len(chosen)} images of camera {u.block.cameras[camera[chosen[0]]].camera_id}"
     if len(chosen) <= NAMES_MOST:
         return "images " + _listed(ids[i] for i in chosen)
     return f"{len(chosen)} of {len(ids)} images"
+
+
+def _shortened(names: list[str]) -> str:
+    """The first names, and how many more there are."""
+    more = len(names) - NAMES_MOST
+    return _listed([*names[:NAMES_MOST], f"{more} more"] if more > 0 else names)
 
 
 def _listed(names: Iterable[str]) -> str:

@@ -132,15 +132,8 @@ def adjust_replicates(
     if jobs == 1:
         parts = [_solve(chord, image_points, coordinates, task) for task in tasks]
     else:
-        # arrays are cut before they travel, objects that draw travel whole and draw over there
         parts = joblib.Parallel(n_jobs=jobs)(
-            joblib.delayed(_solve)(
-                chord,
-                image_points[task] if isinstance(image_points, np.ndarray) else image_points,
-                None if coordinates is None else coordinates[task],
-                slice(0, task.stop - task.start) if isinstance(image_points, np.ndarray) else task,
-            )
-            for task in tasks
+            joblib.delayed(_solve)(chord, *_portion(image_points, coordinates, task)) for task in tasks
         )
     return Replicates(chord.nominal, Trials.joined(parts, len(chord.nominal.x)))
 
@@ -154,12 +147,21 @@ def _check_shapes(block: Block, image_points: ImagePointTrials, coordinates: Flo
         raise ValueError(f"coordinates has shape {coordinates.shape}, needed is ({len(image_points)}, {n}, 3)")
 
 
-def _solve(chord: Chord, image_points: ImagePointTrials, coordinates: Floats | None, trials: slice) -> Trials:
+def _portion(
+    image_points: ImagePointTrials, coordinates: Floats | None, task: slice
+) -> tuple[ImagePointTrials, Floats | None, slice]:
+    """What travels to another process: arrays are cut to the task, objects that draw go whole and draw over there."""
+    if isinstance(image_points, np.ndarray):
+        cut = None if coordinates is None else coordinates[task]
+        return image_points[task], cut, slice(0, task.stop - task.start)
+    return image_points, coordinates, task
+
+
+def _solve(chord: Chord, image_points: ImagePointTrials, coordinates: Floats | None, task: slice) -> Trials:
     """Solve some trials in blocks of LANES."""
-    parts = []
     with threadpool_limits(1):
-        for first in range(trials.start, trials.stop, LANES):
-            block = slice(first, min(first + LANES, trials.stop))
-            xy = np.asarray(image_points[block], dtype=float)
-            parts.append(chord.solve(xy, None if coordinates is None else coordinates[block]))
+        parts = [
+            chord.solve(image_points, coordinates, slice(first, min(first + LANES, task.stop)))
+            for first in range(task.start, task.stop, LANES)
+        ]
     return Trials.joined(parts, len(chord.nominal.x))

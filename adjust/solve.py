@@ -46,13 +46,15 @@ def solve(observations: Observations, start: Floats) -> Solution:
     normals: Normals | None = None
     for iteration in range(1, ITERATIONS_MOST + 1):
         normals = assemble(observations, x)
+        if not normals.finite:
+            return Solution(x, normals, None, Status.NOT_FINITE, _not_finite(observations, iteration), iteration)
         try:
             factor = factorise(normals)
         except SingularError as error:
             return Solution(x, normals, None, Status.SINGULAR, explain(error, observations, x), iteration)
         step, length = factor.step(normals)
         if not np.isfinite(length):
-            return Solution(x, normals, None, Status.NOT_FINITE, f"in iteration {iteration}", iteration)
+            return Solution(x, normals, None, Status.NOT_FINITE, _not_finite(observations, iteration), iteration)
         if length <= enough:
             return Solution(x + step, normals, factor, Status.CONVERGED, "", iteration)
         shorter = _shorten(observations, x, step, normals.vpv, length)
@@ -80,6 +82,17 @@ def _stuck(observations: Observations, x: Floats, length: float) -> tuple[Status
     return Status.NOT_CONVERGED, f"no step lowers vPv; the last was {length:.2g} standard deviations long"
 
 
+def _not_finite(observations: Observations, iteration: int) -> str:
+    group = observations.image_points
+    bad = np.argwhere(~np.isfinite(group.basis))
+    if not bad.size:
+        return f"in iteration {iteration}; check the standard deviations and the units"
+    row, _, column = (int(i) for i in bad[0])
+    ap = group.unknowns.sets[group.unknowns.image_set[group.image[row]]]
+    x, y = group.xy[row]
+    return f"the terms of {ap.model.parameters[column]} of camera {ap.id} are not finite at x = {x:g}, y = {y:g} mm"
+
+
 def points_behind(observations: Observations, x: Floats) -> str:
     """Which point lies behind which camera; empty if none does."""
     group = observations.image_points
@@ -91,4 +104,4 @@ def points_behind(observations: Observations, x: Floats) -> str:
     block = group.unknowns.block
     point, image = block.points.ids[group.point[row]], block.images.ids[group.image[row]]
     more = f" and {int(bad.sum()) - 1} more" if bad.sum() > 1 else ""
-    return f"point {point} behind image {image}{more}; check the orientation angles and their unit (degrees)"
+    return f"point {point} behind image {image}{more}; check the approximate orientations: Z0, the angles and their unit (degrees)"

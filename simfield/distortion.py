@@ -15,8 +15,8 @@ from simfield.effects import EffectOn, FilmAffine, FilmPolynomial
 from simfield.flights import FlightPlan
 from simfield.streams import stream
 
-SETTLED_MM = 5e-14
-"""A step below four units in the last place of 100 mm is rounding, not distortion."""
+SETTLED = 4.0 * float(np.finfo(np.float64).eps)
+"""A step of so small a share of the largest coordinate is rounding, not distortion: 1e-13 mm on a 23 cm film."""
 
 MOST_STEPS = 200
 """Enough for a distortion whose gradient is 0.85; film and lens of an aerial camera need five steps."""
@@ -112,10 +112,10 @@ def measured_from_ideal(ideal: Floats, displacement: Callable[[Floats], Floats],
             following = ideal + displacement(measured)
             step = np.abs(following - measured).max(initial=0.0)
         measured = following
-        if step <= SETTLED_MM:
-            return measured
         if not np.isfinite(step):
             break
+        if step <= SETTLED * np.abs(measured).max(initial=0.0):
+            return measured
     raise DistortionError(
         f"measured = ideal + d(measured) does not converge (last step {step:.3g} mm): the distortion is too steep"
     )

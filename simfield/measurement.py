@@ -100,7 +100,7 @@ def measured_rays(
 
 
 def _order_of_omission(measurement: Measurement, rays: Rays, image_ids: tuple[str, ...], n: int, seed: int) -> Indices:
-    """Rays in the order in which they are missed: drawn with weights, without replacement (Efraimidis and Spirakis 2006)."""
+    """Rays in the order in which they are missed: weighted, not replaced (Efraimidis and Spirakis 2006)."""
     chance = np.stack([stream(seed, "omission", i).random(n) for i in image_ids])[rays.image, rays.point]
     weight = np.maximum(rays.radius_mm, 1e-3) ** measurement.edge_preference
     # log(u)/w ranks as u^(1/w); 1 - u lies in (0, 1] and keeps the logarithm finite

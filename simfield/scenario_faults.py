@@ -42,12 +42,13 @@ def fault_lines(details: list[ErrorDetails], table: Mapping[str, Any]) -> list[s
     """One line for each fault; where several types are allowed at one place, pydantic reports each of them."""
     lines: dict[str, str] = {}
     for detail in details:
-        steps = _real_steps(detail["loc"], table)
+        steps = _real_steps(detail, table)
         place = _place(steps) or "scenario"
         line = _line(detail, steps, place, table)
         before, allowed = lines.get(place), line.partition(", allowed: ")[2]
         lines[place] = line if not before else f"{before} or {allowed}" if allowed else f"{before}; {line}"
-    return list(lines.values())
+    # Of several allowed types, the one whose inside was looked at is meant.
+    return [line for place, line in lines.items() if not any(p.startswith((f"{place}.", f"{place}[")) for p in lines)]
 
 
 def _line(detail: ErrorDetails, steps: tuple[int | str, ...], place: str, table: Mapping[str, Any]) -> str:
@@ -67,15 +68,16 @@ def _line(detail: ErrorDetails, steps: tuple[int | str, ...], place: str, table:
     return f"{place}: found {shown(detail['input'])}, allowed: {allowed}"
 
 
-def _real_steps(loc: tuple[int | str, ...], table: Any) -> tuple[int | str, ...]:
+def _real_steps(detail: ErrorDetails, table: Any) -> tuple[int | str, ...]:
     """The place without the names of union members that pydantic puts between."""
     steps: list[int | str] = []
     node = table
-    for number, step in enumerate(loc):
+    names_key = detail["type"] in ("missing", "unexpected_keyword_argument")
+    for number, step in enumerate(detail["loc"], start=1):
         inside = step in node if isinstance(node, Mapping) else isinstance(node, list) and step in range(len(node))
         if inside:
             node = node[step]
-        elif number < len(loc) - 1 or not isinstance(node, Mapping) or step in KINDS or "[" in str(step):
+        elif number < len(detail["loc"]) or not names_key:
             continue
         steps.append(step)
     return tuple(steps)

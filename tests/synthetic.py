@@ -69,7 +69,9 @@ class World:
     def started_at(self, exterior: Floats) -> World:
         """The same world with other approximate orientations; NaN rows for images without."""
         b = self.block
-        return replace(self, block=Block(b.cameras, Images(b.images.ids, b.images.camera, exterior), b.points, b.observations))
+        return replace(
+            self, block=Block(b.cameras, Images(b.images.ids, b.images.camera, exterior), b.points, b.observations)
+        )
 
     def with_points(
         self, *, role: Sequence[str] | None = None, coordinates: Floats | None = None, sigma: Floats | None = None
@@ -105,7 +107,9 @@ class World:
         )
 
 
-def quincunx(spacing_m: float = 500.0, relief_m: float = 40.0, per_group: int = 1, seed: int = 7) -> dict[str, list[float]]:
+def quincunx(
+    spacing_m: float = 500.0, relief_m: float = 40.0, per_group: int = 1, seed: int = 7
+) -> dict[str, list[float]]:
     """5 x 5 groups and the 4 x 4 between, ids as on the ground: 11..55, centres 16..49; a, b for further points of a group."""
     rng = np.random.default_rng(seed)
     field: dict[str, list[float]] = {}
@@ -127,7 +131,9 @@ CONTROL = ("11", "15", "33", "51", "55")
 """corners and centre"""
 
 
-def fly(camera: Camera, scale: float, headings: Sequence[float] = QUARTERS, tilt_rad: float = 0.02, seed: int = 3) -> Floats:
+def fly(
+    camera: Camera, scale: float, headings: Sequence[float] = QUARTERS, tilt_rad: float = 0.02, seed: int = 3
+) -> Floats:
     """(3 a strip, 6): strips of three images, 60 % overlap, the middle one over the field's centre."""
     rng = np.random.default_rng(seed)
     base = 0.4 * camera.width_mm / 1000.0 * scale

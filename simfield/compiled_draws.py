@@ -1,0 +1,74 @@
+"""`simfield.counter_normals` compiled, for blocks of trials whose inner axis are the trials.
+
+Operations and their order are those of the readable form and none are fused, so the bits agree. Compiled code is kept on
+disk; the first call on a machine compiles for some seconds.
+"""
+
+from __future__ import annotations
+
+import numba
+import numpy as np
+
+from simfield.counter_normals import COSINE_TERMS, LN2, LOG_TERMS, MULTIPLIERS, SINE_TERMS, TWO_PI, WEYL
+
+M0, M1 = np.uint64(MULTIPLIERS[0]), np.uint64(MULTIPLIERS[1])
+W0, W1 = np.uint64(WEYL[0]), np.uint64(WEYL[1])
+WORD, HALF = np.uint64(0xFFFFFFFF), np.uint64(32)
+MANTISSA, ONE = 0xFFFFFFFFFFFFF, 1023 << 52
+TURN = TWO_PI / 2.0**53
+
+
+@numba.njit(cache=True, error_model="numpy", inline="always")
+def _philox(c0, c1, c2, c3, k0, k1):  # type: ignore[no-untyped-def]
+    for _ in range(10):
+        p0, p1 = c0 * M0, c2 * M1
+        c0, c1, c2, c3 = (p1 >> HALF) ^ c1 ^ k0, p1 & WORD, (p0 >> HALF) ^ c3 ^ k1, p0 & WORD
+        k0, k1 = (k0 + W0) & WORD, (k1 + W1) & WORD
+    return c0, c1, c2, c3
+
+
+@numba.njit(cache=True, error_model="numpy", inline="always")
+def _pair(w0, w1, w2, w3):  # type: ignore[no-untyped-def]
+    bits = np.float64(np.int64((w0 >> np.uint64(5) << np.uint64(26)) + (w1 >> np.uint64(6)) + np.uint64(1))).view(np.int64)
+    exponent = (bits >> 52) - 1023
+    mantissa = np.int64((bits & MANTISSA) | ONE).view(np.float64)
+    large = mantissa > 1.4142135623730951
+    mantissa = 0.5 * mantissa if large else mantissa
+    exponent = exponent + 1 if large else exponent
+    s = (mantissa - 1.0) / (mantissa + 1.0)
+    square = s * s
+    value = LOG_TERMS[10]
+    for i in range(9, -1, -1):
+        value = value * square + LOG_TERMS[i]
+    radius = np.sqrt(-2.0 * (np.float64(exponent - 53) * LN2 + s * value))
+    number = np.int64((w2 >> np.uint64(5) << np.uint64(26)) + (w3 >> np.uint64(6)))
+    quarter = (number + (1 << 50)) >> 51
+    angle = np.float64(number - (quarter << 51)) * TURN
+    square = angle * angle
+    sine = SINE_TERMS[7]
+    for i in range(6, -1, -1):
+        sine = sine * square + SINE_TERMS[i]
+    sine = angle * sine
+    cosine = COSINE_TERMS[8]
+    for i in range(7, -1, -1):
+        cosine = cosine * square + COSINE_TERMS[i]
+    odd = (quarter & 1) == 1
+    sine, cosine = (cosine if odd else sine), (sine if odd else cosine)
+    sine = -sine if (quarter & 2) == 2 else sine
+    cosine = -cosine if ((quarter + 1) & 2) == 2 else cosine
+    return radius * cosine, radius * sine
+
+
+@numba.njit(cache=True, error_model="numpy")
+def fill(out, base, sigma, first, second, trials, k0, k1):  # type: ignore[no-untyped-def]
+    """out (k, 2, lanes) = base (k, 2) + sigma (k, 2) times the pair of counter (first (k), second (k), trial, 0)."""
+    for row in range(out.shape[0]):
+        r = np.uint64(row)
+        bx, by, sx, sy = base[r, 0], base[r, 1], sigma[r, 0], sigma[r, 1]
+        c0, c1 = first[r], second[r]
+        x, y = out[r, 0], out[r, 1]
+        for t in range(trials.size):
+            w0, w1, w2, w3 = _philox(c0, c1, trials[t], np.uint64(0), k0, k1)
+            nx, ny = _pair(w0, w1, w2, w3)
+            x[t] = bx + sx * nx
+            y[t] = by + sy * ny

@@ -1,0 +1,131 @@
+"""Figures: each function draws data on the axes it is given, and does nothing else."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from simfield.block import Floats
+from studies.canvas import BLACK, BLUE, COLOURS, GREY, MARKERS, VERMILION
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.collections import QuadMesh
+
+    from studies.distortion import RadialCurve, VectorField
+
+POINT_UNIT_MM = 10.0
+VECTOR_UNIT_UM = 10.0
+"""on paper, a vector of one vector unit is as long as one unit of the point grid"""
+HALF_FORMAT_MM = 115.0
+
+
+def radius_histogram(axes: Axes, counts: Mapping[str, Floats], edges_mm: Floats) -> None:
+    """Points in an image by their radius: a series of bars for each entry of counts, drawn behind each other."""
+    for (label, heights), colour in zip(counts.items(), (BLUE, VERMILION), strict=False):
+        axes.stairs(heights, edges_mm, fill=True, alpha=0.35, color=colour)
+        axes.stairs(heights, edges_mm, color=colour, label=f"{label}: {heights.sum():.0f} points")
+    axes.set(xlabel="image radius, mm", ylabel="points in 10 mm of radius", xlim=(edges_mm[0], edges_mm[-1]), ylim=(0, None))
+    axes.legend(loc="upper left")
+
+
+def radial_curve(axes: Axes, curve: RadialCurve) -> None:
+    """The radial-symmetric distortion from the additional parameters with its standard deviation, and the true one."""
+    low, high = curve.estimated_um - curve.std_um, curve.estimated_um + curve.std_um
+    axes.fill_between(curve.r_mm, low, high, color=BLUE, alpha=0.25, linewidth=0, label="± its standard deviation")
+    axes.plot(curve.r_mm, curve.estimated_um, color=BLUE, label="from the additional parameters")
+    axes.plot(curve.r_mm, curve.true_um, color=BLACK, linestyle=(0, (4, 2)), label="true")
+    radial_frame(axes, curve.r0_mm)
+    axes.legend(loc="lower left")
+
+
+def true_radial_curve(axes: Axes, curve: RadialCurve) -> None:
+    """The true radial-symmetric distortion alone, in the place of a laboratory calibration."""
+    axes.plot(curve.r_mm, curve.true_um, color=BLACK)
+    radial_frame(axes, curve.r0_mm)
+
+
+def radial_frame(axes: Axes, r0_mm: float) -> None:
+    """The labels of a radial curve, a zero line and the place of the second zero."""
+    axes.axhline(0.0, color=GREY, linewidth=0.7)
+    axes.plot([r0_mm], [0.0], marker="|", color=GREY, markersize=8)
+    axes.set(xlabel="image radius, mm", ylabel="radial distortion, µm", xlim=(0, 150))
+
+
+def vectors(axes: Axes, field: VectorField, behind: VectorField | None = None) -> None:
+    """Distortion vectors at image points in the paper's units, and others behind them in grey."""
+    if behind is not None:
+        _arrows(axes, behind, GREY, 0.006)
+    _arrows(axes, field, BLUE, 0.005)
+    edge = HALF_FORMAT_MM * np.array([-1.0, 1.0, 1.0, -1.0, -1.0])
+    axes.plot(edge, np.roll(edge, 1), color=GREY, linewidth=0.7)
+    limit = HALF_FORMAT_MM + 5.0
+    axes.set(xlim=(-limit, limit), ylim=(-limit, limit), aspect="equal", xticks=(-100, 0, 100), yticks=(-100, 0, 100))
+    axes.set(xlabel="x in flight direction, mm", ylabel="y, mm")
+
+
+def _arrows(axes: Axes, field: VectorField, colour: str, width: float) -> None:
+    axes.plot(*field.xy_mm.T, linestyle="none", marker=".", markersize=2, color=colour)
+    scale = VECTOR_UNIT_UM / POINT_UNIT_MM
+    style = {"angles": "xy", "scale_units": "xy", "headwidth": 3.5, "headlength": 4.0, "headaxislength": 3.6}
+    axes.quiver(*field.xy_mm.T, *field.vectors_um.T, scale=scale, width=width, color=colour, **style)
+
+
+def vector_legend(field: VectorField) -> str:
+    """The paper's legend of a vector figure."""
+    return (
+        f"quadratic mean {field.rms_um:.1f} µm\n"
+        f"unit of the point grid {POINT_UNIT_MM:.0f} mm, of the vectors {VECTOR_UNIT_UM:.0f} µm"
+    )
+
+
+def correlation_matrix(axes: Axes, upper: Floats, lower: Floats, names: Sequence[str]) -> QuadMesh:
+    """Two correlation matrices in one: `upper` above the diagonal, `lower` below it, in hundredths; the coloured mesh."""
+    size = len(names)
+    both = np.triu(upper, 1) + np.tril(lower, -1)
+    mesh = axes.pcolormesh(both, cmap="PuOr", vmin=-1.0, vmax=1.0, edgecolors="white", linewidth=0.4)
+    for i, j in zip(*np.nonzero(np.abs(both) >= 0.095), strict=True):
+        dark = abs(both[i, j]) > 0.6
+        text = f"{100 * both[i, j]:.0f}".replace("-", "−")
+        axes.text(j + 0.5, i + 0.5, text, ha="center", va="center", fontsize=5.5, color="white" if dark else BLACK)
+    axes.plot([0, size], [0, size], color=GREY, linewidth=0.7)
+    axes.set(xlim=(0, size), ylim=(size, 0), aspect="equal")
+    axes.set_xticks(np.arange(size) + 0.5, names, fontsize=7)
+    axes.set_yticks(np.arange(size) + 0.5, names, fontsize=7)
+    axes.tick_params(length=0)
+    axes.spines[:].set_visible(False)
+    return mesh
+
+
+def lines(axes: Axes, x: Floats, series: Mapping[str, Floats]) -> None:
+    """A line for each series, told apart by colour and by dash."""
+    dashes = ("-", (0, (5, 1.5)), (0, (1.5, 1.5)), (0, (5, 1.5, 1.5, 1.5)))
+    for (label, y), colour, dash in zip(series.items(), COLOURS, dashes, strict=False):
+        axes.plot(x, y, color=colour, linestyle=dash, label=label)
+
+
+def falling_errors(axes: Axes, series: Mapping[str, tuple[Floats, Floats]]) -> None:
+    """Standard errors against redundancy on logarithmic axes: (redundancy, error) for each label."""
+    for (label, (x, y)), colour, marker in zip(series.items(), COLOURS, MARKERS, strict=False):
+        order = np.argsort(x)
+        axes.plot(x[order], y[order], color=colour, marker=marker, markersize=4, linewidth=0.9, label=label)
+    axes.set(xscale="log", yscale="log")
+    axes.grid(True, which="major")
+
+
+def ranges(
+    axes: Axes, labels: Sequence[str], published: Floats, simulated: Mapping[str, tuple[Floats, Floats, Floats]]
+) -> None:
+    """Published figures row by row, beside mean and range (mean, low, high) of simulated ones."""
+    places = np.arange(len(labels), dtype=float)
+    offsets = np.linspace(-0.18, 0.18, len(simulated)) if len(simulated) > 1 else [0.0]
+    for (label, (mean, low, high)), offset, colour in zip(simulated.items(), offsets, COLOURS, strict=False):
+        axes.hlines(places + offset, low, high, color=colour, linewidth=2.0, alpha=0.45)
+        axes.plot(mean, places + offset, linestyle="none", marker="o", markersize=3.2, color=colour, label=label)
+    axes.plot(published, places, linestyle="none", marker="D", markersize=4.5, color=BLACK, fillstyle="none", label="published 1980")
+    axes.set_yticks(places, labels, fontsize=7.5)
+    axes.set(ylim=(len(labels) - 0.5, -0.5), xlim=(0, None))
+    axes.tick_params(axis="y", length=0)
+    axes.grid(True, axis="x")

@@ -1,0 +1,157 @@
+"""The figures of the reproduction, put together from their data; nothing is computed and nothing written here."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pandas as pd
+
+from simfield.block import Floats
+from studies import figures
+from studies.canvas import COLOURS, new_figure
+from studies.distortion import DecenteringFields, RadialCurve
+from studies.reproduce_1980 import table2
+from studies.reproduce_1980.experiment import BOTH, CAMERA_TITLES, SECTIONS
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+AUX = {False: "without auxiliary points", True: "with auxiliary points"}
+
+
+def table1_figure(tables: Mapping[str, pd.DataFrame]) -> Figure:
+    """Table 1 as ranges; one table for each simulated world."""
+    first = next(iter(tables.values()))
+    labels = [
+        f"{SECTIONS[m]} {m}, {b.replace('+', ' + ').upper()}, {'with' if aux else 'without'}"
+        for m, b, aux in first[["model", "block", "aux_points"]].to_numpy().tolist()
+    ]
+    figure = new_figure(210, 125)
+    panels = figure.subplots(1, 3, sharey=True)
+    titles = {"m0_um": "m0, µm", "mu_xy_mm": "mu_xy (2-D), mm", "mu_z_mm": "mu_z, mm"}
+    for axes, (name, title) in zip(panels, titles.items(), strict=True):
+        simulated = {
+            world: (*(t[f"sim_{name}{part}"].to_numpy(float) for part in ("", "_lo", "_hi")),)
+            for world, t in tables.items()
+        }
+        figures.ranges(axes, labels, first[name].to_numpy(float), simulated)
+        for edge in (5.5, 11.5):
+            axes.axhline(edge, color="#d8d8d8", linewidth=0.7)
+        axes.set_title(title)
+    figure.legend(*panels[0].get_legend_handles_labels(), loc="outside lower center", ncols=3)
+    return figure
+
+
+def table2_figure(table: pd.DataFrame, camera: str, rms: pd.DataFrame) -> Figure:
+    """Heat maps of Table 2: simulated above the diagonal, published below."""
+    figure = new_figure(210, 116)
+    panels = figure.subplots(1, 2)
+    for axes, aux in zip(panels, AUX, strict=True):
+        simulated, paper = (table2.matrix(table, aux, camera, "corrected", c) for c in ("simulated", "published"))
+        mesh = figures.correlation_matrix(axes, simulated, paper, [f"b{i + 1}" for i in range(len(paper))])
+        fit = rms[(rms["variant"] == "corrected") & (rms["aux_points"] == aux) & (rms["camera"] == camera)]
+        axes.set_title(f"{AUX[aux]}\nrms difference {fit['as_labelled'].iloc[0]:.3f}")
+    figure.colorbar(mesh, ax=panels, shrink=0.75, label="correlation")
+    figure.suptitle(f"{CAMERA_TITLES[camera]}: simulated above the diagonal, published below (hundredths)", fontsize=10)
+    return figure
+
+
+def erratum_figure(rms: pd.DataFrame) -> Figure:
+    """How far each form of the model is from the published Table 2."""
+    figure = new_figure(150, 75)
+    axes = figure.subplots()
+    names = {
+        "corrected": "Brown's terms",
+        "b4_only": "b4 corrected alone",
+        "sign_only": "sign corrected alone",
+        "as_printed": "as printed",
+    }
+    groups = [(camera, aux) for camera in table2.CAMERAS for aux in AUX]
+    for number, ((camera, aux), colour) in enumerate(zip(groups, COLOURS, strict=False)):
+        chosen = rms[(rms["camera"] == camera) & (rms["aux_points"] == aux)].set_index("variant")
+        places = np.arange(len(names)) + 0.2 * (number - 1.5)
+        label = f"{camera.upper()}, {AUX[aux]}"
+        axes.bar(places, chosen.loc[list(names), "as_labelled"], width=0.18, color=colour, label=label)
+    axes.set_xticks(np.arange(len(names)), list(names.values()))
+    axes.set(ylabel="rms difference to Table 2 (91 pairs)")
+    axes.legend(loc="upper left", fontsize=7.5)
+    return figure
+
+
+def z0_figure(curves: pd.DataFrame) -> Figure:
+    """Correlations of Z0 with a3 and a4 against the second zero."""
+    figure = new_figure(190, 85)
+    panels = figure.subplots(1, 2, sharey=True)
+    for axes, camera in zip(panels, table2.CAMERAS, strict=True):
+        chosen = curves[(curves["camera"] == camera) & curves["aux_points"]]
+        series = {
+            f"R(Z0,{name}), {images} images": part.sort_values("r0_mm")["mean_abs_r"].to_numpy(float)
+            for (name, images), part in chosen.groupby(["parameter", "images"])
+        }
+        figures.lines(axes, np.unique(chosen["r0_mm"].to_numpy(float)), series)
+        axes.axvline(100.0, color="#9a9a9a", linewidth=0.7)
+        axes.set(title=CAMERA_TITLES[camera], xlabel="second zero r0, mm", xlim=(0, 140), ylim=(0, 1))
+        axes.grid(True)
+    panels[0].set_ylabel("mean |R|, with auxiliary points")
+    figure.legend(*panels[0].get_legend_handles_labels(), loc="outside lower center", ncols=4, fontsize=7.5)
+    return figure
+
+
+def errors_figure(errors: pd.DataFrame) -> Figure:
+    """Standard errors of model 3.1 against redundancy: left of each line the separate adjustment without auxiliary points."""
+    figure = new_figure(190, 92)
+    panels = figure.subplots(1, 2, sharey=True)
+    for axes, camera in zip(panels, table2.CAMERAS, strict=True):
+        chosen = errors[(errors["camera"] == camera) & (errors["model"] == "optical")]
+        series = {
+            str(name): (part["redundancy"].to_numpy(float), part["effect_um"].to_numpy(float))
+            for name, part in chosen.groupby("parameter")
+        }
+        figures.falling_errors(axes, series)
+        axes.set(title=CAMERA_TITLES[camera], xlabel="redundancy")
+        ticks = np.unique(chosen["redundancy"])
+        axes.set_xticks(ticks, [str(t) for t in ticks], fontsize=7.5)
+        axes.minorticks_off()
+        for redundancy, block, aux in chosen[["redundancy", "block", "aux_points"]].drop_duplicates().to_numpy().tolist():
+            text = f"{'both' if block == BOTH else 'alone'}, {'with' if aux else 'without'}"
+            axes.annotate(text, (redundancy, 0.98), xycoords=("data", "axes fraction"), rotation=90, ha="right", va="top", fontsize=6.5)
+    panels[0].set_ylabel("standard error of the parameter,\nas rms displacement over the format, µm")
+    panels[0].set_yticks([0.1, 0.2, 0.5, 1.0, 2.0], ["0.1", "0.2", "0.5", "1", "2"])
+    figure.legend(*panels[0].get_legend_handles_labels(), loc="outside lower center", ncols=4)
+    return figure
+
+
+def figure1(counts: Mapping[str, Mapping[str, Floats]], edges_mm: Floats) -> Figure:
+    """Figure 1: points by radius in a full image, for each camera."""
+    figure = new_figure(190, 75)
+    panels = figure.subplots(1, len(counts), sharey=True)
+    for axes, (camera, series) in zip(panels, counts.items(), strict=True):
+        figures.radius_histogram(axes, series, edges_mm)
+        axes.set_title(f"{CAMERA_TITLES[camera]}, mean of the middle images")
+    panels[1].set_ylabel("")
+    return figure
+
+
+def distortion_figure(curve: RadialCurve, fields: DecenteringFields) -> Figure:
+    """Figures 2 and 3: a true radial distortion, b from the additional parameters, c decentering, d reduced."""
+    figure = new_figure(190, 195)
+    panels = figure.subplots(2, 2, height_ratios=(1, 1.25))
+    (a, b), (c, d) = panels
+    figures.true_radial_curve(a, curve)
+    figures.radial_curve(b, curve)
+    limit = 1.1 * max(np.abs([*a.get_ylim(), *b.get_ylim()]))
+    for axes in (a, b):
+        axes.set_ylim(-limit, limit)
+    a.set_title("a  radial-symmetric, true lens")
+    b.set_title(f"b  radial-symmetric, model {SECTIONS[curve.model]}")
+    figures.vectors(c, fields.estimated, fields.true)
+    figures.vectors(d, fields.reduced, fields.true_reduced)
+    phi, omega = fields.tilt_deg * 3600.0
+    c.set_title(f"c  decentering, as estimated (grey: true)\n{figures.vector_legend(fields.estimated)}")
+    d.set_title(f"d  the same, tilt {phi:.0f}″, {omega:.0f}″ taken out\n{figures.vector_legend(fields.reduced)}".replace("-", "−"))
+    for axes in (c, d):
+        axes.title.set_fontsize(8.5)
+    figure.suptitle(f"{CAMERA_TITLES[curve.camera]}, simultaneous adjustment with auxiliary points", fontsize=10)
+    return figure

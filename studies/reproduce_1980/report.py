@@ -1,0 +1,72 @@
+"""Writes the reproduction: tables, figures, report.md and provenance.json. Only this module knows the names of files."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from studies.canvas import house_style, save
+from studies.reproduce_1980 import claims, drawings, table1, table2
+from studies.reproduce_1980.pages import report_page, table1_page, table2_page
+from studies.tables import write_csv
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from studies.reproduce_1980.story import Findings
+
+
+def write(found: Findings, folder: Path, command: str, origin: Callable[[], dict[str, Any]]) -> list[Path]:
+    """Write everything; the files. `origin` gives the provenance and is asked last, when the duration is known."""
+    files = [*_tables(found, folder), *_figures(found, folder), *_pages(found, folder, command)]
+    path = folder / "provenance.json"
+    path.write_text(json.dumps(origin(), indent=1) + "\n", encoding="utf-8")
+    return [*files, path]
+
+
+def _tables(found: Findings, folder: Path) -> Iterator[Path]:
+    written = {
+        "table1": (found.table1, table1.FORMATS),
+        "table1_film": (found.table1_film, table1.FORMATS),
+        "table2": (found.table2, table2.FORMATS),
+        "table2_rms": (found.table2_rms, {"as_labelled": ".4f", "swapped": ".4f"}),
+        "claims": (found.claims, claims.FORMATS),
+        "z0_correlations": (found.z0, claims.CURVE_FORMATS),
+        "standard_errors": (found.errors, claims.ERROR_FORMATS),
+    }
+    for name, (table, formats) in written.items():
+        path = folder / f"{name}.csv"
+        write_csv(table, path, formats)
+        yield path
+
+
+def figures(found: Findings) -> Iterator[tuple[str, Figure]]:
+    """Every figure with its name."""
+    tables = {found.world.scenario.name: found.table1, found.film_world.scenario.name: found.table1_film}
+    yield "table1", drawings.table1_figure(tables)
+    for camera in table2.CAMERAS:
+        yield f"table2_{camera}", drawings.table2_figure(found.table2, camera, found.table2_rms)
+    yield "erratum", drawings.erratum_figure(found.table2_rms)
+    yield "z0_correlations", drawings.z0_figure(found.z0)
+    yield "standard_errors", drawings.errors_figure(found.errors)
+    from studies.reproduce_1980.story import RADIUS_EDGES_MM
+
+    yield "figure1", drawings.figure1(found.radii, RADIUS_EDGES_MM)
+    for number, camera in enumerate(table2.CAMERAS, start=2):
+        yield f"figure{number}", drawings.distortion_figure(found.curves[camera], found.fields[camera])
+
+
+def _figures(found: Findings, folder: Path) -> Iterator[Path]:
+    with house_style():
+        for name, figure in figures(found):
+            yield from save(figure, folder / name)
+
+
+def _pages(found: Findings, folder: Path, command: str) -> Iterator[Path]:
+    pages = {"table1": table1_page(found), "table2": table2_page(found), "report": report_page(found, command)}
+    for name, text in pages.items():
+        path = folder / f"{name}.md"
+        path.write_text(text, encoding="utf-8")
+        yield path

@@ -1,0 +1,51 @@
+"""Simulated blocks for the command line: a preset or a scenario file, flown once and written."""
+
+from __future__ import annotations
+
+import difflib
+from pathlib import Path
+
+from simfield import Scenario, ScenarioError, presets, read_scenario, simulate, write_block, write_truth
+from simfield.block_folder import BlockFolderError
+
+
+class WrongScenarioError(ValueError):
+    """There is no such preset or scenario file, or the file says something impossible."""
+
+
+class SimulationError(RuntimeError):
+    """The scenario cannot be flown, or the block cannot be written."""
+
+
+def scenario(source: str) -> Scenario:
+    """The preset of that name, or the scenario in that TOML file. Raises WrongScenarioError."""
+    if source in presets:
+        return presets[source]
+    path = Path(source)
+    if path.suffix != ".toml" and not path.exists():
+        near = difflib.get_close_matches(source, presets, n=1)
+        hint = f"did you mean {near[0]!r}?" if near else f"presets are {', '.join(presets)}"
+        raise WrongScenarioError(f"no preset {source!r}, {hint}")
+    try:
+        return read_scenario(path)
+    except ScenarioError as error:
+        raise WrongScenarioError(str(error)) from error
+    except OSError as error:
+        raise WrongScenarioError(f"{path} cannot be read: {error.strerror}") from error
+
+
+def write(source: str, seed: int, trial: int, folder: Path) -> str:
+    """Fly a scenario and write block folder and truth.json; a sentence. Raises WrongScenarioError, SimulationError."""
+    flown = scenario(source)
+    try:
+        block, truth = simulate(flown, seed, trial)
+        write_block(block, folder)
+        write_truth(truth, folder)
+    except (ArithmeticError, ValueError, BlockFolderError) as error:
+        raise SimulationError(str(error)) from error
+    except OSError as error:
+        raise SimulationError(f"{folder} cannot be written: {error.strerror}") from error
+    return (
+        f"{folder}: {len(block.images)} images, {len(block.points)} points, {len(block.observations)} image points "
+        f"({flown.name}, seed {seed}, trial {trial})"
+    )
