@@ -21,7 +21,6 @@ from adjust.ap_models.model import ApModel
 from adjust.bundle import adjust_block
 from adjust.kernels import LANES
 from adjust.observations import Observations
-from adjust.rotation import rotation_rows
 from adjust.solve import solve
 from adjust.status import Status
 from adjust.traced_terms import UntraceableError, compile_gradient
@@ -56,7 +55,7 @@ class Trials:
 
 @dataclass(frozen=True, eq=False)
 class Chord:
-    """What all trials share: the nominal adjustment, the standard deviations s (size, 0 for fixed coordinates), and C."""
+    """What all trials share: the nominal adjustment, the standard deviations s (size, 0 for what is fixed), and C."""
 
     nominal: Adjustment
     s: Floats
@@ -75,12 +74,16 @@ class Chord:
         return cls(nominal, s, np.asarray(q * inverse * inverse[:, None], dtype=np.float32))
 
     @cached_property
-    def gradients(self) -> list[tuple[Callable[..., Any], npt.NDArray[np.uint64], Any]] | None:
-        """(compiled gradient, images, set) for each AP set; None when a model cannot be compiled."""
+    def gradients(self) -> list[tuple[Callable[..., Any], npt.NDArray[np.uint64], int]] | None:
+        """(compiled gradient, images, first row in x) of each AP set; None when a model cannot be compiled."""
         layout = self.nominal.layout
         try:
             return [
-                (compile_gradient(s.model), np.flatnonzero(layout.image_set == number).astype(np.uint64), s)
+                (
+                    compile_gradient(s.model),
+                    np.flatnonzero(layout.image_set == number).astype(np.uint64),
+                    int(s.columns.start),
+                )
                 for number, s in enumerate(layout.sets)
             ]
         except UntraceableError:
@@ -95,20 +98,19 @@ class Chord:
         g = self.nominal.groups.image_points
         return g.starts.astype(np.uint64), g.point.astype(np.uint64), g.weight, g.interior
 
-    def solve(self, image_points: Any, coordinates: Floats | None, trials: slice) -> Trials:
+    def solve(self, image_points: Any, coordinates: Floats | None, trials: slice, room: Workspace) -> Trials:
         """Solve at most LANES trials of image_points (t, k, 2) and coordinates (t, n, 3; None: those of the block)."""
         count = trials.stop - trials.start
         coordinates = None if coordinates is None else coordinates[trials]
-        x = np.repeat(self.nominal.x[:, None], LANES, axis=1)
-        given = self._given(coordinates)
         vpv, iterations = np.full(LANES, np.nan), np.zeros(LANES, dtype=np.int16)
         converged = np.zeros(LANES, dtype=bool)
+        room.x[:] = self.nominal.x[:, None]
         if self.gradients is not None:
-            xy = _lanes(image_points, trials, self.nominal.groups.image_points.order)
-            x[~self.nominal.layout.free] = given[~self.nominal.layout.free]
-            converged = self._iterate(x, xy, given, vpv, iterations, np.arange(LANES) < count)
+            _fill_lanes(image_points, trials, self.nominal.groups.image_points.order, room.xy)
+            self._give_coordinates(coordinates, room)
+            converged = self._iterate(room, vpv, iterations, np.arange(LANES) < count)
         solved = Trials(
-            np.ascontiguousarray(x[:, :count].T),
+            np.ascontiguousarray(room.x[:, :count].T),
             vpv[:count],
             np.full(count, STATUSES.index(Status.CONVERGED), dtype=np.int8),
             iterations[:count],
@@ -120,80 +122,66 @@ class Chord:
             self._finish(solved, int(trial), xy_of_trial, None if coordinates is None else coordinates[trial])
         return solved
 
-    def _given(self, coordinates: Floats | None) -> Floats:
-        """(size, LANES) the reduced coordinates given for the points; other rows are not used."""
+    def _give_coordinates(self, coordinates: Floats | None, room: Workspace) -> None:
+        """The reduced given coordinates into room.given, and those held fixed into room.x."""
         layout = self.nominal.layout
-        given = np.repeat(self.nominal.x[:, None], LANES, axis=1)
         source = layout.block.points.coordinates[None] if coordinates is None else coordinates
         rows = (source - layout.origin).reshape(len(source), -1).T
-        given[layout.orientation :, : len(source)] = rows
-        given[layout.orientation :, len(source) :] = rows[:, :1]
-        return given
+        room.given[:, : len(source)] = rows
+        room.given[:, len(source) :] = rows[:, :1]
+        fixed = layout.block.points.fixed.ravel()
+        room.x[layout.orientation :][fixed] = room.given[fixed]
 
     def _iterate(
-        self, x: Floats, xy: Floats, given: Floats, vpv: Floats, iterations: npt.NDArray[np.int16], active: Any
+        self, room: Workspace, vpv: Floats, iterations: npt.NDArray[np.int16], active: npt.NDArray[np.bool_]
     ) -> npt.NDArray[np.bool_]:
-        """Iterate x (size, LANES) in place; returns which trials have converged."""
+        """Iterate room.x in place; returns which trials have converged, and leaves their vPv and steps."""
         converged = np.zeros(LANES, dtype=bool)
-        before = np.full(LANES, np.inf)
-        y = np.zeros_like(x)
-        s = self.s[:, None]
-        start = x.copy()
+        before, length = np.full(LANES, np.inf), np.empty(LANES)
+        room.y[:] = 0.0
+        room.start[:] = room.x
         for step in range(1, STEPS_MOST + 1):
-            gradient, cost, depth = self._gradient(x, xy, given)
-            gradient *= s
-            change = self.correlation @ gradient.astype(np.float32)
-            length = np.maximum(change.max(axis=0), -change.min(axis=0)).astype(float)
+            cost, depth = self._gradient(room)
+            kernels.scale(room.gradient, self.s, room.scaled)
+            np.matmul(self.correlation, room.scaled, out=room.change)
+            kernels.longest(room.change, length)
             active = active & (depth > 0.0) & np.isfinite(length)
             contraction = length / before
             if step > 1:
                 active &= contraction < CONTRACTION_MOST
-            if not active.all():
-                change[:, ~active] = 0.0
-            y -= change
-            np.multiply(s, y, out=x)
-            x += start
+            kernels.advance(room.change, active, self.s, room.start, room.y, room.x)
             vpv[active], iterations[active] = cost[active], step
             # the first step measures a distance, not an error: nothing is known of the contraction yet
             left = length * contraction / (1.0 - np.minimum(contraction, CONTRACTION_MOST))
             done = active & (left < ERROR_LEFT) & (step > 1)
             converged |= done
             active &= ~done
-            before = length
+            before = length.copy()
             if not active.any():
                 break
         return converged
 
-    def _gradient(self, x: Floats, xy: Floats, given: Floats) -> tuple[Floats, Floats, Floats]:
-        """A^T P v (size, LANES), vPv (LANES) and the least depth (LANES) at x."""
-        layout = self.nominal.layout
+    def _gradient(self, room: Workspace) -> tuple[Floats, Floats]:
+        """A^T P v at room.x into room.gradient; returns vPv (LANES) and the least depth (LANES)."""
+        layout, x = self.nominal.layout, room.x
         images = len(layout.block.images)
-        exterior = x[: 6 * images].reshape(images, 6, LANES)
-        rotation = rotation_rows(exterior[:, 3:])
-        gradient = np.zeros_like(x)
+        angles = x[: 6 * images].reshape(images, 6, LANES)[:, 3:]
+        np.sin(angles, out=room.sine)
+        np.cos(angles, out=room.cosine)
+        room.gradient[:] = 0.0
         vpv, depth = np.zeros(LANES), np.full(LANES, np.inf)
-        starts, point, weight, interior = self.indices
         assert self.gradients is not None
-        for compiled, members, ap_set in self.gradients:
-            parameters = x[ap_set.columns]
-            contexts = np.empty((images, kernels.PARAMETERS + len(parameters), LANES))
-            contexts[:, : kernels.STATION] = rotation
-            contexts[:, kernels.STATION : kernels.PARAMETERS] = exterior[:, :3]
-            contexts[:, kernels.PARAMETERS :] = parameters
-            sums = compiled(members, starts, point, weight, interior, contexts, layout.orientation, xy, x, gradient)[
-                members
-            ]
-            vpv += sums[:, kernels.VPV].sum(axis=0)
-            depth = np.minimum(depth, sums[:, kernels.DEPTH].min(axis=0, initial=np.inf))
-            gradient[ap_set.columns] = sums[:, kernels.PULL :].sum(axis=0)
-            at = gradient[: 6 * images].reshape(images, 6, LANES)
-            at[members, :3] = -sums[:, : kernels.TORQUE]
-            at[members, 3:] = _by_angles(exterior[members], rotation[members], sums[:, kernels.TORQUE : kernels.VPV])
+        for number, (compiled, members, first) in enumerate(self.gradients):
+            contexts, sums = room.contexts[number], room.sums[number]
+            kernels.fill_contexts(members, room.sine, room.cosine, x, first, contexts)
+            compiled(members, *self.indices, contexts, layout.orientation, room.xy, x, sums, room.gradient)
+            kernels.collect(members, sums, contexts, room.sine, room.cosine, first, room.gradient, vpv, depth)
         control = self.nominal.groups.control
-        v = x[control.columns] - given[control.columns]
-        gradient[control.columns] += control.weight[:, None] * v
-        vpv += control.weight @ v**2
-        return gradient, vpv, depth
+        if len(control.columns):
+            v = x[control.columns] - room.given[control.columns - layout.orientation]
+            room.gradient[control.columns] += control.weight[:, None] * v
+            vpv += control.weight @ v**2
+        return vpv, depth
 
     def _finish(self, trials: Trials, trial: int, xy: Floats, coordinates: Floats | None) -> None:
         """Solve one trial by full Gauss-Newton, from the nominal estimate, and write it into `trials`."""
@@ -213,23 +201,43 @@ class Chord:
         trials.iterations[trial] += solution.iterations
 
 
-def _by_angles(exterior: Floats, rotation: Floats, torque: Floats) -> Floats:
-    """The gradient by omega, phi, kappa (m, 3, LANES) from the torque: each angle turns about its own axis.
+@dataclass(frozen=True, eq=False)
+class Workspace:
+    """The arrays that one block of trials after another is computed in; nothing in them outlives a block."""
 
-    The axes are e1, R1 e2 and R e3, and a turn about axis a changes vPv / 2 by -a . torque.
-    """
-    omega = exterior[:, 3]
-    second = np.cos(omega) * torque[:, 1] + np.sin(omega) * torque[:, 2]
-    third = np.einsum("mat,mat->mt", rotation[:, 2::3], torque)
-    return -np.stack([torque[:, 0], second, third], axis=1)
+    x: Floats
+    y: Floats
+    start: Floats
+    gradient: Floats
+    given: Floats
+    scaled: npt.NDArray[np.float32]
+    change: npt.NDArray[np.float32]
+    xy: Floats
+    sine: Floats
+    cosine: Floats
+    contexts: tuple[Floats, ...]
+    sums: tuple[Floats, ...]
+
+    @classmethod
+    def of(cls, chord: Chord) -> Workspace:
+        layout = chord.nominal.layout
+        images, size = len(layout.block.images), len(chord.nominal.x)
+        widths = [len(s.model.parameters) for s in layout.sets]
+        return cls(
+            *(np.empty((size, LANES)) for _ in range(4)),
+            np.empty((3 * len(layout.block.points), LANES)),
+            *(np.empty((size, LANES), dtype=np.float32) for _ in range(2)),
+            np.empty((len(layout.block.observations), 2, LANES)),
+            *(np.empty((images, 3, LANES)) for _ in range(2)),
+            tuple(np.empty((images, kernels.PARAMETERS + a, LANES)) for a in widths),
+            tuple(np.empty((images, kernels.PULL + a, LANES)) for a in widths),
+        )
 
 
-def _lanes(image_points: Any, trials: slice, order: npt.NDArray[np.intp]) -> Floats:
-    """(k, 2, LANES): trials inmost, sorted by image; lanes without a trial repeat the first one."""
-    lanes = np.empty((len(order), 2, LANES))
+def _fill_lanes(image_points: Any, trials: slice, order: npt.NDArray[np.intp], lanes: Floats) -> None:
+    """lanes (k, 2, LANES): trials inmost, sorted by image; lanes without a trial repeat the first one."""
     if hasattr(image_points, "fill_lanes"):
         image_points.fill_lanes(trials, order, lanes)
     else:
         kernels.transpose(np.ascontiguousarray(image_points[trials], dtype=float), order, lanes)
     lanes[:, :, trials.stop - trials.start :] = lanes[:, :, :1]
-    return lanes

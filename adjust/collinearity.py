@@ -24,7 +24,7 @@ def project(exterior: Floats, interior: Floats, points: Floats, image: Indices) 
     p = np.einsum("kij,ki->kj", rotation[image], points - exterior[image, :3])
     c, principal = interior[image, :1], interior[image, 1:]
     with np.errstate(divide="ignore", invalid="ignore"):
-        return principal - c * p[:, :2] / p[:, 2:], -p[:, 2]
+        return principal - c * (p[:, :2] / p[:, 2:]), -p[:, 2]
 
 
 @dataclass(frozen=True, eq=False)

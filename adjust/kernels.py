@@ -31,19 +31,21 @@ def pull(x: float, y: float, fx: float, fy: float, sums: Any, t: int) -> None:
 
 
 def gradient_block(
-    images: Any, starts: Any, point: Any, weight: Any, interior: Any, contexts: Any, first: Any, xy: Any, x: Any, g: Any
-) -> Any:
+    images: Any, starts: Any, point: Any, weight: Any, interior: Any, contexts: Any, first: Any, xy: Any, x: Any,
+    sums: Any, g: Any,
+) -> None:  # fmt: skip
     """Half the gradient of vPv, A^T P v, of the image points of the images `images` (q), which share one AP set.
 
     starts (m + 1), point (k), weight (k, 2), interior (m, 3) as in adjust.observations.ImagePoints; contexts
     (m, 12 + a, LANES); first: row in x and g of the first point coordinate; xy (k, 2, LANES) measured; x (size, LANES)
-    the unknowns. The point part is added to g (size, LANES). Returns sums (m, 11 + a, LANES): force and torque on each
-    station (minus the gradient by X0, and by small rotations about the object axes), vPv, the least depth, three rows of
-    scratch, the gradient by the parameters.
+    the unknowns. The point part is added to g (size, LANES), the rest is left in sums (m, 11 + a, LANES): the force and
+    the torque on each station (minus the gradient by X0, and minus that by small rotations about the object axes), vPv,
+    the least depth, three rows of scratch, and the gradient by the parameters.
     """
-    sums = np.zeros((starts.size - 1, contexts.shape[1] - 1, 32))
+    out = np.zeros((sums.shape[1], 32))  # freshly made, so that it is known to overlap nothing
     for i in images:
-        context, out = contexts[i], sums[i]
+        context = contexts[i]
+        out[:] = 0.0
         out[7] = np.inf
         c, px, py = interior[i, 0], interior[i, 1], interior[i, 2]
         for k in range(starts[i], starts[i + np.uint64(1)]):
@@ -86,7 +88,81 @@ def gradient_block(
                 gradient[0, t] += out[8, t]
                 gradient[1, t] += out[9, t]
                 gradient[2, t] += out[10, t]
-    return sums
+        sums[i] = out
+
+
+@numba.njit(cache=True, error_model="numpy")
+def fill_contexts(images: Any, sine: Any, cosine: Any, x: Any, parameters: Any, contexts: Any) -> None:
+    """Rotation, station and parameters of the images `images` into contexts (m, 12 + a, LANES).
+
+    sine, cosine (m, 3, LANES) of omega, phi, kappa; x (size, LANES); parameters: the first row of the set in x.
+    """
+    for i in images:
+        context = contexts[i]
+        for t in range(LANES):
+            so, sp, sk = sine[i, 0, t], sine[i, 1, t], sine[i, 2, t]
+            co, cp, ck = cosine[i, 0, t], cosine[i, 1, t], cosine[i, 2, t]
+            context[0, t], context[1, t], context[2, t] = cp * ck, -cp * sk, sp
+            context[3, t], context[4, t], context[5, t] = co * sk + so * sp * ck, co * ck - so * sp * sk, -so * cp
+            context[6, t], context[7, t], context[8, t] = so * sk - co * sp * ck, so * ck + co * sp * sk, co * cp
+        for row in range(3):
+            context[STATION + row] = x[np.uint64(6) * i + np.uint64(row)]
+        for row in range(contexts.shape[1] - PARAMETERS):
+            context[PARAMETERS + row] = x[parameters + row]
+
+
+@numba.njit(cache=True, error_model="numpy")
+def collect(
+    images: Any, sums: Any, contexts: Any, sine: Any, cosine: Any, parameters: Any, g: Any, vpv: Any, depth: Any
+) -> None:
+    """Add what `gradient_block` left in sums to g (size, LANES), vpv and depth (LANES).
+
+    The angles turn about the axes e1, R1 e2 and R e3, and a turn about axis a changes vPv / 2 by -a . torque.
+    """
+    for i in images:
+        out, context = sums[i], contexts[i]
+        row = np.uint64(6) * i
+        station = g[row : row + np.uint64(6)]
+        for t in range(LANES):
+            tx, ty, tz = out[3, t], out[4, t], out[5, t]
+            station[0, t] = -out[0, t]
+            station[1, t] = -out[1, t]
+            station[2, t] = -out[2, t]
+            station[3, t] = -tx
+            station[4, t] = -(cosine[i, 0, t] * ty + sine[i, 0, t] * tz)
+            station[5, t] = -(context[2, t] * tx + context[5, t] * ty + context[8, t] * tz)
+            vpv[t] += out[VPV, t]
+            depth[t] = min(depth[t], out[DEPTH, t])
+        for j in range(sums.shape[1] - PULL):
+            for t in range(LANES):
+                g[parameters + j, t] += out[PULL + j, t]
+
+
+@numba.njit(cache=True, error_model="numpy")
+def scale(g: Any, s: Any, scaled: Any) -> None:
+    """scaled = s g in single precision; s (size), g and scaled (size, LANES)."""
+    for row in range(s.size):
+        for t in range(LANES):
+            scaled[row, t] = np.float32(s[row] * g[row, t])
+
+
+@numba.njit(cache=True, error_model="numpy")
+def longest(change: Any, length: Any) -> None:
+    """length (LANES): the largest absolute value of each column of change; NaN if there is one."""
+    length[:] = 0.0
+    for row in range(change.shape[0]):
+        for t in range(LANES):
+            size = abs(change[row, t])
+            length[t] = size if not size <= length[t] else length[t]
+
+
+@numba.njit(cache=True, error_model="numpy")
+def advance(change: Any, active: Any, s: Any, start: Any, y: Any, x: Any) -> None:
+    """y -= change and x = start + s y for the active trials; all (size, LANES) but active (LANES, 1.0 or 0.0) and s."""
+    for row in range(s.size):
+        for t in range(LANES):
+            y[row, t] -= np.float64(change[row, t]) if active[t] else 0.0
+            x[row, t] = start[row, t] + s[row] * y[row, t]
 
 
 @numba.njit(cache=True)

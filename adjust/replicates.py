@@ -20,7 +20,7 @@ from threadpoolctl import threadpool_limits
 
 from adjust.adjustment import Adjustment
 from adjust.ap_models.model import ApModel
-from adjust.chord import GAUSS_NEWTON, STATUSES, Chord, Trials
+from adjust.chord import GAUSS_NEWTON, STATUSES, Chord, Trials, Workspace
 from adjust.kernels import LANES
 from adjust.status import Status
 from simfield.block import Block, Floats
@@ -159,9 +159,10 @@ def _portion(
 
 def _solve(chord: Chord, image_points: ImagePointTrials, coordinates: Floats | None, task: slice) -> Trials:
     """Solve some trials in blocks of LANES."""
+    room = Workspace.of(chord)
     with threadpool_limits(1):
         parts = [
-            chord.solve(image_points, coordinates, slice(first, min(first + LANES, task.stop)))
+            chord.solve(image_points, coordinates, slice(first, min(first + LANES, task.stop)), room)
             for first in range(task.start, task.stop, LANES)
         ]
     return Trials.joined(parts, len(chord.nominal.x))

@@ -34,16 +34,6 @@ def rotation_matrices(angles: Floats) -> Floats:
     return np.asarray(r1 @ r2 @ r3)
 
 
-def rotation_rows(angles: Floats) -> Floats:
-    """R by rows, (m, 9, lanes), for angles (m, 3, lanes): the product of R1 R2 R3 written out, for many trials at once."""
-    (so, sp, sk), (co, cp, ck) = np.sin(angles).transpose(1, 0, 2), np.cos(angles).transpose(1, 0, 2)
-    rows = np.empty((len(angles), 9, angles.shape[2]))
-    rows[:, 0], rows[:, 1], rows[:, 2] = cp * ck, -cp * sk, sp
-    rows[:, 3], rows[:, 4], rows[:, 5] = co * sk + so * sp * ck, co * ck - so * sp * sk, -so * cp
-    rows[:, 6], rows[:, 7], rows[:, 8] = so * sk - co * sp * ck, so * ck + co * sp * sk, co * cp
-    return rows
-
-
 def rotation_derivatives(angles: Floats) -> tuple[Floats, Floats]:
     """R (m, 3, 3) and dR (3, m, 3, 3), its derivatives by omega, phi, kappa."""
     (r1, r2, r3), (d1, d2, d3) = _axis_rotations(angles)

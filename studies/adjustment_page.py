@@ -111,10 +111,7 @@ def _check_lines(a: Adjustment) -> Iterator[str]:
         yield "No check points"
         return
     yield f"{found.n} check points against their given coordinates, rms in m"
-    yield (
-        f"X {found.rms_x_m:.4f}   Y {found.rms_y_m:.4f}   "
-        f"plan (2-D) {found.rms_xy_m:.4f}   Z {found.rms_z_m:.4f}"
-    )
+    yield (f"X {found.rms_x_m:.4f}   Y {found.rms_y_m:.4f}   plan (2-D) {found.rms_xy_m:.4f}   Z {found.rms_z_m:.4f}")
 
 
 def _pair_lines(a: Adjustment, most: int = 8) -> Iterator[str]:
@@ -141,9 +138,7 @@ def _in_degrees(images: Estimates) -> Estimates:
 
 
 def _table(a: Adjustment, e: Estimates, names: Sequence[str]) -> Record:
-    return {
-        owner: _values(a, names, values, std) for owner, values, std in zip(e.ids, e.values, e.std, strict=True)
-    }
+    return {owner: _values(a, names, values, std) for owner, values, std in zip(e.ids, e.values, e.std, strict=True)}
 
 
 def _values(a: Adjustment, names: Iterable[str], values: Floats, std: Floats) -> Record:

@@ -1,4 +1,5 @@
-"""Blank figures in the house style, and files from them: no pyplot, no date, no random ids, so identical bytes every time.
+"""Blank figures in the house style, and files from them: no pyplot, no date, no random ids, so identical bytes every
+time.
 
 Colours are those of Okabe & Ito 2008, which people with colour-blindness can tell apart.
 """

@@ -83,26 +83,36 @@ def doctor() -> None:
 @click.option("--out", type=FOLDER, help="Folder for the results.  [default: results/EXPERIMENT]")
 @click.option("--trials", type=click.IntRange(2), default=DEFAULT_TRIALS, show_default=True, help="Simulated flights.")
 @click.option("--jobs", type=click.IntRange(1), help="Processes.  [default: one a core]")
-@click.option("--seed", type=click.IntRange(0), default=DEFAULT_SEED, show_default=True, help="Seed of all that is random.")
+@click.option(
+    "--seed", type=click.IntRange(0), default=DEFAULT_SEED, show_default=True, help="Seed of all that is random."
+)
 def reproduce(what: str, out: Path | None, trials: int, jobs: int | None, seed: int) -> None:
     """Fly and adjust a published experiment; write its tables and figures beside the published ones."""
     from studies import reproduce_1980
 
     folder = out if out is not None else Path("results") / what
     try:
-        written = reproduce_1980.reproduce(folder, trials=trials, jobs=jobs, seed=seed)
+        done = reproduce_1980.reproduce(folder, trials=trials, jobs=jobs, seed=seed)
     except reproduce_1980.ReproductionError as error:
         raise Failure(str(error)) from error
     except OSError as error:
         raise Failure(f"{error.filename or folder}: cannot be written: {error.strerror}") from error
-    for path in written:
+    for path in done.files:
         click.echo(path)
+    for line in done.failures:
+        click.echo(line, err=True)
+    if done.failures:
+        raise Failure(f"{len(done.failures)} adjustments failed; the report counts and names them")
 
 
 @main.command()
 @click.argument("folder", metavar="BLOCK_DIR", type=BLOCK_FOLDER)
-@click.option("--ap", "model_id", metavar="ID", required=True, help="Additional parameters; `simfield models` lists them.")
-@click.option("--set", "settings", metavar="NAME=VALUE", multiple=True, help="A setting of the model, such as r0_mm=100.")
+@click.option(
+    "--ap", "model_id", metavar="ID", required=True, help="Additional parameters; `simfield models` lists them."
+)
+@click.option(
+    "--set", "settings", metavar="NAME=VALUE", multiple=True, help="A setting of the model, such as r0_mm=100."
+)
 @click.option("--json", "json_path", metavar="FILE|-", help="Write everything as JSON to a file, or to stdout (-).")
 def adjust(folder: Path, model_id: str, settings: tuple[str, ...], json_path: str | None) -> None:
     """Adjust a block folder by bundles with self-calibration."""

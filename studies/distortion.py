@@ -63,7 +63,9 @@ class VectorField:
 
 @dataclass(frozen=True, eq=False)
 class DecenteringFields:
-    """Decentering as estimated and as true, and both after the perspective reduction; tilt_deg (2) is phi, omega taken out."""
+    """Decentering as estimated and as true, and both after the perspective reduction; tilt_deg (2) is phi, omega
+    taken out.
+    """
 
     camera: str
     model: str
@@ -84,14 +86,16 @@ def radial_curve(a: Adjustment, camera: str, truth: Truth) -> RadialCurve:
     terms = 1000.0 * model.basis(r, np.zeros_like(r))[:, 0, columns]
     covariance = a.covariance(*((camera, name) for name in names))
     std = np.sqrt(np.einsum("ni,ij,nj->n", terms, covariance, terms))
-    return RadialCurve(camera, model.id, r0, r, terms @ a.ap[camera].values[columns], std, true_radial(truth, camera, r, r0))
+    return RadialCurve(
+        camera, model.id, r0, r, terms @ a.ap[camera].values[columns], std, true_radial(truth, camera, r, r0)
+    )
 
 
 def true_radial(truth: Truth, camera: str, r_mm: Floats, r0_mm: float) -> Floats:
     """The true distortion of a camera along the radius, um: the mean over all directions, brought to zero at r0.
 
-    What is proportional to r is a change of the principal distance, which a block over flat ground cannot see; it is taken
-    out (for r0 = 0: left in).
+    What is proportional to r is a change of the principal distance, which a block over flat ground cannot see; it is
+    taken out (for r0 = 0: left in).
     """
 
     def mean_over_directions(r: Floats) -> Floats:

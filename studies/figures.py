@@ -27,7 +27,9 @@ def radius_histogram(axes: Axes, counts: Mapping[str, Floats], edges_mm: Floats)
     for (label, heights), colour in zip(counts.items(), (BLUE, VERMILION), strict=False):
         axes.stairs(heights, edges_mm, fill=True, alpha=0.35, color=colour)
         axes.stairs(heights, edges_mm, color=colour, label=f"{label}: {heights.sum():.0f} points")
-    axes.set(xlabel="image radius, mm", ylabel="points in 10 mm of radius", xlim=(edges_mm[0], edges_mm[-1]), ylim=(0, None))
+    axes.set(
+        xlabel="image radius, mm", ylabel="points in 10 mm of radius", xlim=(edges_mm[0], edges_mm[-1]), ylim=(0, None)
+    )
     axes.legend(loc="upper left")
 
 
@@ -124,7 +126,16 @@ def ranges(
     for (label, (mean, low, high)), offset, colour in zip(simulated.items(), offsets, COLOURS, strict=False):
         axes.hlines(places + offset, low, high, color=colour, linewidth=2.0, alpha=0.45)
         axes.plot(mean, places + offset, linestyle="none", marker="o", markersize=3.2, color=colour, label=label)
-    axes.plot(published, places, linestyle="none", marker="D", markersize=4.5, color=BLACK, fillstyle="none", label="published 1980")
+    axes.plot(
+        published,
+        places,
+        linestyle="none",
+        marker="D",
+        markersize=4.5,
+        color=BLACK,
+        fillstyle="none",
+        label="published 1980",
+    )
     axes.set_yticks(places, labels, fontsize=7.5)
     axes.set(ylim=(len(labels) - 0.5, -0.5), xlim=(0, None))
     axes.tick_params(axis="y", length=0)

@@ -51,8 +51,8 @@ class Deviations:
 class CheckPoints:
     """Check points compared: `geodetic` against the coordinates in the block, `true` against the truth.
 
-    coverage_x, _y, _z is the share of the 95 % confidence intervals that contain the true coordinate (NaN without points).
-    The rms of the geodetic comparison can be read directly, rms_z_m and so on, as a paper reports them.
+    coverage_x, _y, _z is the share of the 95 % confidence intervals that contain the true coordinate (NaN without
+    points). The rms of the geodetic comparison can be read directly, rms_z_m and so on, as a paper reports them.
     """
 
     geodetic: Deviations

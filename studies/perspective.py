@@ -1,18 +1,18 @@
 """The perspective reduction of a distortion field: the camera tilt that it contains is taken out.
 
-Turn a camera by the small angles phi about its y axis and omega about its x axis. A ray with image point (x, y) has the
-direction (x, y, -c); the turned camera sees it at x' = -c p_x / p_z, y' = -c p_y / p_z with p = (I + [a]_x)(x, y, -c) and
-a = (omega, -phi, 0), which to first order moves the image point by
+Turn a camera by the small angles phi about its y axis and omega about its x axis. A ray with image point (x, y) has
+the direction (x, y, -c); the turned camera sees it at x' = -c p_x / p_z, y' = -c p_y / p_z with p = (I + [a]_x)(x, y,
+-c) and a = (omega, -phi, 0), which to first order moves the image point by
 
     dx = (c + x^2/c) phi + (xy/c) omega
     dy = (xy/c) phi      + (c + y^2/c) omega.
 
-The constant part c phi, c omega cannot be told from a shift of the principal point, and over flat ground not from a shift
-of the projection centre either. Decentering distortion a5 (r^2 + 2x^2), a5 2xy is half such a tilt: with phi = 2 c a5 it
-is that tilt, less the shift 2 c^2 a5, plus a5 (r^2, 0). So what an adjustment of vertical images over flat ground finds as
-decentering contains an arbitrary tilt (Brown 1966, Decentering distortion of lenses: the tilt of a thin prism), and the
-two angles and the two shifts are taken out by least squares over the format, as in Mauelshagen 1980, figures 2d and 3d,
-after Wester-Ebbinghaus 1980, Optik 55.
+The constant part c phi, c omega cannot be told from a shift of the principal point, and over flat ground not from a
+shift of the projection centre either. Decentering distortion a5 (r^2 + 2x^2), a5 2xy is half such a tilt: with phi =
+2 c a5 it is that tilt, less the shift 2 c^2 a5, plus a5 (r^2, 0). So what an adjustment of vertical images over flat
+ground finds as decentering contains an arbitrary tilt (Brown 1966, Decentering distortion of lenses: the tilt of a
+thin prism), and the two angles and the two shifts are taken out by least squares over the format, as in Mauelshagen
+1980, figures 2d and 3d, after Wester-Ebbinghaus 1980, Optik 55.
 
 The four functions span (x^2, xy), (xy, y^2), (1, 0), (0, 1) whatever c is: the reduced field does not depend on c, only
 the angles do.

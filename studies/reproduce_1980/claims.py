@@ -15,12 +15,12 @@ from simfield.block import Block
 from simfield.truth import Truth
 from studies.distortion import decentering_fields, format_grid, radial_curve
 from studies.measures import root_mean_square
-from studies.reproduce_1980.experiment import BOTH, Row, adjusted, middle_images, sub_block
+from studies.reproduce_1980.experiment import BOTH, CAMERAS, Row, adjusted, middle_images, sub_block
 
-CAMERAS = ("sww", "ww")
 SECOND_ZEROS_MM = tuple(float(r) for r in range(0, 141, 5))
 PUBLISHED_A3_A4 = {False: "-0.92", True: "-0.82"}
 PUBLISHED_Z0 = {0.0: "0.80 to 0.85", 100.0: "almost none"}
+Z0_CLAIM = "Z0 and a3, a4"
 COLUMNS = ["claim", "model", "r0_mm", "aux_points", "camera", "images", "quantity", "published", "simulated"]
 FORMATS = {"r0_mm": "g", "simulated": ".3f"}
 CURVE_FORMATS = {"r0_mm": "g", "mean_abs_r": ".4f"}
@@ -48,10 +48,12 @@ def _a3_a4(block: Block, truth: Truth) -> list[tuple[object, ...]]:
 def _z0(curves: pd.DataFrame) -> list[tuple[object, ...]]:
     chosen = curves[curves["r0_mm"].isin(PUBLISHED_Z0)]
     return [
-        ("Z0 and a3, a4", "optical", r0, aux, camera, images, f"mean |R(Z0,{name})|", PUBLISHED_Z0[r0], mean)
+        (Z0_CLAIM, "optical", r0, aux, camera, images, f"mean |R(Z0,{name})|", PUBLISHED_Z0[r0], mean)
         for r0, aux, camera, images, name, mean in chosen[
             ["r0_mm", "aux_points", "camera", "images", "parameter", "mean_abs_r"]
-        ].to_numpy().tolist()
+        ]
+        .to_numpy()
+        .tolist()
     ]
 
 
@@ -67,7 +69,9 @@ def _crests(block: Block, truth: Truth) -> list[tuple[object, ...]]:
         corners = {m: decentering_fields(a, camera, truth).estimated.corner_um for m, a in by_model.items()}
         for model in rise:
             change = crests[model] - crests["optical"]
-            lines.append(("crest and corners", model, 100.0, True, camera, "-", "rise of the crest, um", rise[model], change))
+            lines.append(
+                ("crest and corners", model, 100.0, True, camera, "-", "rise of the crest, um", rise[model], change)
+            )
         for model in rise:
             change = 100.0 * (corners[model] / corners["optical"] - 1.0)
             wanted = corner[model, camera]
@@ -78,7 +82,9 @@ def _crests(block: Block, truth: Truth) -> list[tuple[object, ...]]:
 
 
 def z0_correlations(block: Block, truth: Truth) -> pd.DataFrame:
-    """Mean |R(Z0,a3)|, |R(Z0,a4)| over all and over the middle images of each camera, for second zeros from 0 to 140 mm."""
+    """Mean |R(Z0,a3)|, |R(Z0,a4)| over all and over the middle images of each camera, for second zeros from 0 to 140
+    mm.
+    """
     lines = []
     for aux in (False, True):
         part = sub_block(block, truth, BOTH, aux)
@@ -111,7 +117,16 @@ def standard_errors(block: Block, truth: Truth, rows: Sequence[Row]) -> pd.DataF
             size = [root_mean_square(np.hypot(*term.T)) for term in np.moveaxis(terms, 2, 0)]
             for name, std, rms in zip(s.model.parameters, a.ap[s.id].std, size, strict=True):
                 lines.append(
-                    (row.model, row.block, row.aux_points, s.id, a.redundancy, name, float(std), 1000.0 * float(std) * rms)
+                    (
+                        row.model,
+                        row.block,
+                        row.aux_points,
+                        s.id,
+                        a.redundancy,
+                        name,
+                        float(std),
+                        1000.0 * float(std) * rms,
+                    )
                 )
     columns = ["model", "block", "aux_points", "camera", "redundancy", "parameter", "std", "effect_um"]
     return pd.DataFrame(lines, columns=columns)

@@ -13,7 +13,7 @@ from studies import figures
 from studies.canvas import COLOURS, new_figure
 from studies.distortion import DecenteringFields, RadialCurve
 from studies.reproduce_1980 import table2
-from studies.reproduce_1980.experiment import BOTH, CAMERA_TITLES, SECTIONS
+from studies.reproduce_1980.experiment import BOTH, CAMERA_TITLES, CAMERAS, SECTIONS
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -68,7 +68,7 @@ def erratum_figure(rms: pd.DataFrame) -> Figure:
         "sign_only": "sign corrected alone",
         "as_printed": "as printed",
     }
-    groups = [(camera, aux) for camera in table2.CAMERAS for aux in AUX]
+    groups = [(camera, aux) for camera in CAMERAS for aux in AUX]
     for number, ((camera, aux), colour) in enumerate(zip(groups, COLOURS, strict=False)):
         chosen = rms[(rms["camera"] == camera) & (rms["aux_points"] == aux)].set_index("variant")
         places = np.arange(len(names)) + 0.2 * (number - 1.5)
@@ -84,7 +84,7 @@ def z0_figure(curves: pd.DataFrame) -> Figure:
     """Correlations of Z0 with a3 and a4 against the second zero."""
     figure = new_figure(190, 85)
     panels = figure.subplots(1, 2, sharey=True)
-    for axes, camera in zip(panels, table2.CAMERAS, strict=True):
+    for axes, camera in zip(panels, CAMERAS, strict=True):
         chosen = curves[(curves["camera"] == camera) & curves["aux_points"]]
         series = {
             f"R(Z0,{name}), {images} images": part.sort_values("r0_mm")["mean_abs_r"].to_numpy(float)
@@ -100,10 +100,12 @@ def z0_figure(curves: pd.DataFrame) -> Figure:
 
 
 def errors_figure(errors: pd.DataFrame) -> Figure:
-    """Standard errors of model 3.1 against redundancy: left of each line the separate adjustment without auxiliary points."""
+    """Standard errors of model 3.1 against redundancy: left of each line the separate adjustment without auxiliary
+    points.
+    """
     figure = new_figure(190, 92)
     panels = figure.subplots(1, 2, sharey=True)
-    for axes, camera in zip(panels, table2.CAMERAS, strict=True):
+    for axes, camera in zip(panels, CAMERAS, strict=True):
         chosen = errors[(errors["camera"] == camera) & (errors["model"] == "optical")]
         series = {
             str(name): (part["redundancy"].to_numpy(float), part["effect_um"].to_numpy(float))
@@ -114,9 +116,19 @@ def errors_figure(errors: pd.DataFrame) -> Figure:
         ticks = np.unique(chosen["redundancy"])
         axes.set_xticks(ticks, [str(t) for t in ticks], fontsize=7.5)
         axes.minorticks_off()
-        for redundancy, block, aux in chosen[["redundancy", "block", "aux_points"]].drop_duplicates().to_numpy().tolist():
+        for redundancy, block, aux in (
+            chosen[["redundancy", "block", "aux_points"]].drop_duplicates().to_numpy().tolist()
+        ):
             text = f"{'both' if block == BOTH else 'alone'}, {'with' if aux else 'without'}"
-            axes.annotate(text, (redundancy, 0.98), xycoords=("data", "axes fraction"), rotation=90, ha="right", va="top", fontsize=6.5)
+            axes.annotate(
+                text,
+                (redundancy, 0.98),
+                xycoords=("data", "axes fraction"),
+                rotation=90,
+                ha="right",
+                va="top",
+                fontsize=6.5,
+            )
     panels[0].set_ylabel("standard error of the parameter,\nas rms displacement over the format, µm")
     panels[0].set_yticks([0.1, 0.2, 0.5, 1.0, 2.0], ["0.1", "0.2", "0.5", "1", "2"])
     figure.legend(*panels[0].get_legend_handles_labels(), loc="outside lower center", ncols=4)
@@ -150,7 +162,11 @@ def distortion_figure(curve: RadialCurve, fields: DecenteringFields) -> Figure:
     figures.vectors(d, fields.reduced, fields.true_reduced)
     phi, omega = fields.tilt_deg * 3600.0
     c.set_title(f"c  decentering, as estimated (grey: true)\n{figures.vector_legend(fields.estimated)}")
-    d.set_title(f"d  the same, tilt {phi:.0f}″, {omega:.0f}″ taken out\n{figures.vector_legend(fields.reduced)}".replace("-", "−"))
+    d.set_title(
+        f"d  the same, tilt {phi:.0f}″, {omega:.0f}″ taken out\n{figures.vector_legend(fields.reduced)}".replace(
+            "-", "−"
+        )
+    )
     for axes in (c, d):
         axes.title.set_fontsize(8.5)
     figure.suptitle(f"{CAMERA_TITLES[curve.camera]}, simultaneous adjustment with auxiliary points", fontsize=10)

@@ -14,6 +14,7 @@ from studies import published
 SECTIONS = {"optical": "3.1", "torlegard": "3.2", "brown14": "3.3"}
 """the section of the paper that gives each model"""
 CAMERA_TITLES = {"sww": "SWW, RMK A 8.5/23", "ww": "WW, RMK A 15/23"}
+CAMERAS = tuple(CAMERA_TITLES)
 BOTH = "sww+ww"
 
 

@@ -3,27 +3,31 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from studies.canvas import house_style, save
 from studies.reproduce_1980 import claims, drawings, table1, table2
+from studies.reproduce_1980.experiment import CAMERAS
+from studies.reproduce_1980.findings import RADIUS_EDGES_MM, Findings
 from studies.reproduce_1980.pages import report_page, table1_page, table2_page
 from studies.tables import write_csv
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from studies.reproduce_1980.story import Findings
+
+def write(found: Findings, folder: Path, command: str) -> list[Path]:
+    """Write tables, figures and pages; the files."""
+    return [*_tables(found, folder), *_figures(found, folder), *_pages(found, folder, command)]
 
 
-def write(found: Findings, folder: Path, command: str, origin: Callable[[], dict[str, Any]]) -> list[Path]:
-    """Write everything; the files. `origin` gives the provenance and is asked last, when the duration is known."""
-    files = [*_tables(found, folder), *_figures(found, folder), *_pages(found, folder, command)]
+def write_provenance(origin: Mapping[str, Any], folder: Path) -> Path:
+    """Write provenance.json."""
     path = folder / "provenance.json"
-    path.write_text(json.dumps(origin(), indent=1) + "\n", encoding="utf-8")
-    return [*files, path]
+    path.write_text(json.dumps(origin, indent=1, allow_nan=False) + "\n", encoding="utf-8")
+    return path
 
 
 def _tables(found: Findings, folder: Path) -> Iterator[Path]:
@@ -46,15 +50,13 @@ def figures(found: Findings) -> Iterator[tuple[str, Figure]]:
     """Every figure with its name."""
     tables = {found.world.scenario.name: found.table1, found.film_world.scenario.name: found.table1_film}
     yield "table1", drawings.table1_figure(tables)
-    for camera in table2.CAMERAS:
+    for camera in CAMERAS:
         yield f"table2_{camera}", drawings.table2_figure(found.table2, camera, found.table2_rms)
     yield "erratum", drawings.erratum_figure(found.table2_rms)
     yield "z0_correlations", drawings.z0_figure(found.z0)
     yield "standard_errors", drawings.errors_figure(found.errors)
-    from studies.reproduce_1980.story import RADIUS_EDGES_MM
-
     yield "figure1", drawings.figure1(found.radii, RADIUS_EDGES_MM)
-    for number, camera in enumerate(table2.CAMERAS, start=2):
+    for number, camera in enumerate(CAMERAS, start=2):
         yield f"figure{number}", drawings.distortion_figure(found.curves[camera], found.fields[camera])
 
 

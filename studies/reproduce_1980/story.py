@@ -1,4 +1,4 @@
-"""The reproduction, told as a story: fly, adjust, compare, draw, write."""
+"""The reproduction, told as a story: fly and adjust, compare, draw, write."""
 
 from __future__ import annotations
 
@@ -6,48 +6,10 @@ import time
 from dataclasses import dataclass
 from pathlib import Path
 
-import numpy as np
-import pandas as pd
-from threadpoolctl import threadpool_limits
-
-from simfield import World, build_world, presets
-from simfield.block import Block, Floats
 from simfield.scenario_file import scenario_as_table
-from simfield.truth import Truth
-from studies.distortion import DecenteringFields, RadialCurve, decentering_fields, radial_curve
-from studies.progress import progress_bar
 from studies.provenance import provenance
-from studies.reproduce_1980 import claims, table1, table2
-from studies.reproduce_1980.experiment import BOTH, Row, adjusted, middle_images, rows, sub_block
-from studies.reproduce_1980.trials import run_trials
-
-WORLD = "rheidt-1980"
-FILM_WORLD = "rheidt-1980-film"
-"""the same with film that changes from image to image; a quarter of the trials, for comparison"""
-FILM_SHARE = 4
-RADIUS_EDGES_MM = np.arange(0.0, 171.0, 10.0)
-
-
-@dataclass(frozen=True, eq=False)
-class Findings:
-    """Everything that the reproduction computes; nothing in it knows a file."""
-
-    world: World
-    film_world: World
-    truth: Truth
-    trials: int
-    film_trials: int
-    table1: pd.DataFrame
-    table1_film: pd.DataFrame
-    table2: pd.DataFrame
-    table2_rms: pd.DataFrame
-    claims: pd.DataFrame
-    z0: pd.DataFrame
-    errors: pd.DataFrame
-    radii: dict[str, dict[str, Floats]]
-    curves: dict[str, RadialCurve]
-    fields: dict[str, DecenteringFields]
-    failures: list[str]
+from studies.reproduce_1980.findings import Findings, compute
+from studies.reproduce_1980.report import write, write_provenance
 
 
 @dataclass(frozen=True)
@@ -59,69 +21,21 @@ class Reproduction:
 
 
 def reproduce(folder: Path, *, trials: int, jobs: int | None, seed: int) -> Reproduction:
-    """Write the reproduction into a folder. Raises ReproductionError where it is impossible, OSError where it cannot write."""
-    from studies.reproduce_1980.report import write
-
+    """Write the reproduction into a folder. Raises ReproductionError if it is impossible, OSError if it cannot write."""
     started = time.monotonic()
     folder.mkdir(parents=True, exist_ok=True)
+    command = f"simfield reproduce mauelshagen-1980 --trials {trials} --seed {seed}"
     found = compute(trials, jobs, seed)
-    parameters = {
-        "trials": trials,
+    files = write(found, folder, command)
+    origin = provenance(command, _parameters(found, seed), time.monotonic() - started)
+    return Reproduction([*files, write_provenance(origin, folder)], found.failures)
+
+
+def _parameters(found: Findings, seed: int) -> dict[str, object]:
+    return {
+        "trials": found.trials,
         "film_trials": found.film_trials,
         "seed": seed,
         "scenario": scenario_as_table(found.world.scenario),
         "film_scenario": scenario_as_table(found.film_world.scenario),
     }
-    command = f"simfield reproduce mauelshagen-1980 --trials {trials} --seed {seed}"
-    files = write(found, folder, command, lambda: provenance(command, parameters, time.monotonic() - started))
-    return Reproduction(files, found.failures)
-
-
-def compute(trials: int, jobs: int | None, seed: int) -> Findings:
-    """Fly both worlds and compute everything that is reported. Flight 0 serves what needs no statistics."""
-    experiment = rows()
-    world, film_world = (build_world(presets[name], seed) for name in (WORLD, FILM_WORLD))
-    film_trials = max(2, trials // FILM_SHARE)
-    with progress_bar(trials + film_trials, "flights") as bar:
-        flown = run_trials(world, experiment, trials, jobs, bar.update)
-        film_flown = run_trials(film_world, experiment, film_trials, jobs, bar.update)
-    with threadpool_limits(1):
-        block, truth = world.observe(0)
-        correlations = table2.table2(block, truth)
-        z0 = claims.z0_correlations(block, truth)
-        both = adjusted(sub_block(block, truth, BOTH, True), "optical")
-        return Findings(
-            world,
-            film_world,
-            truth,
-            trials,
-            film_trials,
-            table1.table1(block, truth, experiment, flown),
-            table1.table1(block, truth, experiment, film_flown),
-            correlations,
-            table2.rms_of_differences(correlations),
-            claims.claims(block, truth, z0),
-            z0,
-            claims.standard_errors(block, truth, experiment),
-            {camera: _radii(block, truth, camera) for camera in table2.CAMERAS},
-            {camera: radial_curve(both, camera, truth) for camera in table2.CAMERAS},
-            {camera: decentering_fields(both, camera, truth) for camera in table2.CAMERAS},
-            _failures(experiment, flown, WORLD) + _failures(experiment, film_flown, FILM_WORLD),
-        )
-
-
-def _radii(block: Block, truth: Truth, camera: str) -> dict[str, Floats]:
-    """Points of a middle image by radius, the mean over the camera's middle images, with and without auxiliary points."""
-    images = [block.images.ids.index(name) for name in middle_images(truth, camera)]
-    main = np.isin(block.points.ids, truth.main_points)
-    observations = block.observations
-    own = np.isin(observations.image, images)
-    counts = {}
-    for label, used in {"with auxiliary points": own, "without": own & main[observations.point]}.items():
-        histogram, _ = np.histogram(np.hypot(*observations.xy[used].T), RADIUS_EDGES_MM)
-        counts[label] = histogram / len(images)
-    return counts
-
-
-def _failures(experiment: list[Row], flown: pd.DataFrame, world: str) -> list[str]:
-    return [f"{world}: {line}" for line in table1.failures(experiment, flown)]

@@ -26,9 +26,9 @@ RANGE = (2.5, 97.5)
 def table1(block: Block, truth: Truth, rows: Sequence[Row], trials: pd.DataFrame) -> pd.DataFrame:
     """The published table with the simulated figures behind it.
 
-    A simulated figure is the mean over the trials of each trial's own rms (not the rms of all trials together: the paper
-    reports one flight); _mcse is the standard error of this mean, _lo and _hi enclose 95 % of the trials. n trials
-    entered, `failures` did not. Raises ReproductionError where all trials of a row failed.
+    A simulated figure is the mean over the trials of each trial's own rms (not the rms of all trials together: the
+    paper reports one flight); _mcse is the standard error of this mean, _lo and _hi enclose 95 % of the trials. n
+    trials entered, `failures` did not. Raises ReproductionError where all trials of a row failed.
     """
     counts = [_counts(block, truth, row) for row in rows]
     simulated = [_summary(row, trials[trials["row"] == number]) for number, row in enumerate(rows)]

@@ -1,4 +1,5 @@
-"""Table 2 of the paper: correlations of b1 .. b14 in the simultaneous adjustment, and what they tell about the misprint.
+"""Table 2 of the paper: correlations of b1 .. b14 in the simultaneous adjustment, and what they tell about the
+misprint.
 
 The paper says neither which camera's parameters Table 2 shows nor which of the two figures in a cell belongs to the
 adjustment with auxiliary points. All combinations are computed.
@@ -9,11 +10,12 @@ from __future__ import annotations
 import numpy as np
 import pandas as pd
 
+from adjust import ap_models
 from simfield.block import Block, Floats
 from simfield.truth import Truth
 from studies import published
 from studies.measures import root_mean_square
-from studies.reproduce_1980.experiment import BOTH, adjusted, sub_block
+from studies.reproduce_1980.experiment import BOTH, CAMERAS, adjusted, sub_block
 
 VARIANTS: dict[str, dict[str, bool]] = {
     "corrected": {},
@@ -22,14 +24,11 @@ VARIANTS: dict[str, dict[str, bool]] = {
     "sign_only": {"b4_printed": True},
 }
 """what of the misprint is corrected: both, nothing, b4 alone, the decentering sign alone"""
-CAMERAS = ("sww", "ww")
 FORMATS = {"published": ".2f", "simulated": ".4f"}
 
 
 def table2(block: Block, truth: Truth) -> pd.DataFrame:
     """One line for each pair of parameters, camera, variant, without and with auxiliary points."""
-    from adjust import ap_models
-
     lines = []
     for aux_points in (False, True):
         part = sub_block(block, truth, BOTH, aux_points)
@@ -50,8 +49,8 @@ def table2(block: Block, truth: Truth) -> pd.DataFrame:
 def rms_of_differences(table: pd.DataFrame) -> pd.DataFrame:
     """The rms over the 91 pairs for every variant and camera against both printed figures of a cell.
 
-    `as_labelled` compares with the printed row that the paper's Table 1 suggests (upper: without auxiliary points), `swapped`
-    with the other.
+    `as_labelled` compares with the printed row that the paper's Table 1 suggests (upper: without auxiliary points),
+    `swapped` with the other.
     """
     keys = ["aux_points", "camera", "variant"]
     lines = []
@@ -80,9 +79,7 @@ def best_fit(rms: pd.DataFrame, variant: str, aux_points: bool) -> tuple[str, fl
 
 def matrix(table: pd.DataFrame, aux_points: bool, camera: str, variant: str, column: str) -> Floats:
     """(14, 14) the published or simulated correlations of one adjustment, symmetric."""
-    chosen = table[
-        (table["aux_points"] == aux_points) & (table["camera"] == camera) & (table["variant"] == variant)
-    ]
+    chosen = table[(table["aux_points"] == aux_points) & (table["camera"] == camera) & (table["variant"] == variant)]
     size = int((1 + (1 + 8 * len(chosen)) ** 0.5) / 2)
     full = np.zeros((size, size))
     full[np.triu_indices(size, 1)] = chosen[column].to_numpy(float)
