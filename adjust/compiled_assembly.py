@@ -125,7 +125,7 @@ def cholesky_blocks(pp: Any, least: float, lower: Any) -> int:
 
 
 @numba.njit(cache=True, error_model="numpy")
-def whiten(starts: Any, point: Any, lower: Any, pe: Any, out: Any) -> None:
+def whiten(point: Any, lower: Any, pe: Any, out: Any) -> None:
     """out (k, 3, 6) = L^-1 of the point times pe (k, 3, 6)."""
     for k in range(point.size):
         inverse = lower[point[k]]

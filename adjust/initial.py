@@ -9,6 +9,7 @@ import numpy as np
 
 from adjust.observations import ImagePoints
 from adjust.rotation import rotation_matrices
+from adjust.status import CHECK_START
 from adjust.unknowns import Unknowns
 from simfield.block import Block, Floats
 
@@ -55,8 +56,7 @@ def _lost(block: Block, points: list[int]) -> str:
     if rays < 2:
         return f"point {block.points.ids[point]} has no coordinates and {rays} ray{'s' * (rays != 1)}"
     return (
-        f"the {rays} rays of point {block.points.ids[point]} do not meet in front of the cameras{more}; "
-        "check the orientation angles and their unit (degrees)"
+        f"the {rays} rays of point {block.points.ids[point]} do not meet in front of the cameras{more}; {CHECK_START}"
     )
 
 

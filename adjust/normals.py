@@ -13,6 +13,7 @@ radians and mm^-6 alike.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 import scipy.linalg
@@ -94,50 +95,62 @@ def assemble(observations: Observations, x: Floats) -> Normals:
 class Factor:
     """Factorised normal equations.
 
-    With the scales D_e (E), D_p (n, 3): point_inverse (n, 3, 3) = V^-1, eliminated (n, 3, E) = V^-1 W, lower (E, E) the
-    Cholesky factor of D_e^-1 S D_e^-1.
+    lower (E, E) is the Cholesky factor of the scaled S, so that S^-1 = D (lower lower^T)^-1 D with D = diag(scale);
+    root (n, 3, 3) = L^-1 with V = L L^T, and white (n, 3, E) = L^-1 W.
     """
 
     scale: Floats
     lower: Floats
-    point_inverse: Floats
-    eliminated: Floats
+    root: Floats
+    white: Floats
+
+    @cached_property
+    def point_inverse(self) -> Floats:
+        """V^-1 (n, 3, 3)."""
+        return np.asarray(self.root.transpose(0, 2, 1) @ self.root)
+
+    @cached_property
+    def eliminated(self) -> Floats:
+        """V^-1 W (n, 3, E)."""
+        return np.asarray(self.root.transpose(0, 2, 1) @ self.white)
 
     def step(self, normals: Normals) -> tuple[Floats, float]:
         """The Gauss-Newton step -N^-1 g as one vector, and its length in standard deviations, (g^T N^-1 g)^(1/2)."""
-        v_g = np.einsum("nij,nj->ni", self.point_inverse, normals.gradient_p)
-        reduced = normals.gradient_e - np.einsum("nje,nj->e", self.eliminated, normals.gradient_p)
+        white = self.white.reshape(-1, len(self.scale))
+        white_g = (self.root @ normals.gradient_p[:, :, None])[:, :, 0]
+        reduced = normals.gradient_e - white_g.ravel() @ white
         step_e = -self.scale * scipy.linalg.cho_solve((self.lower, True), self.scale * reduced, check_finite=False)
-        step_p = -v_g - self.eliminated @ step_e
+        hanging = white_g + (white @ step_e).reshape(-1, 3)
+        step_p = -(hanging[:, None, :] @ self.root)[:, 0]
         decrement = -float(normals.gradient_e @ step_e + np.sum(normals.gradient_p * step_p))
         return np.concatenate([step_e, step_p.ravel()]), max(decrement, 0.0) ** 0.5
 
 
 def factorise(normals: Normals) -> Factor:
     """Eliminate the points and factorise. Raises SingularError with the scaled matrix that is singular."""
-    inverse = _invert_point_blocks(normals.pp, normals.ee.shape[0])
-    eliminated = inverse @ normals.pe
-    n3 = normals.pe.shape[0] * 3
-    reduced = normals.ee - normals.pe.reshape(n3, -1).T @ eliminated.reshape(n3, -1)
+    root = _root_of_point_blocks(normals.pp, normals.ee.shape[0])
+    white = root @ normals.pe
+    flat = white.reshape(-1, normals.ee.shape[0])
+    reduced = normals.ee - flat.T @ flat
     diagonal = np.diag(normals.ee)
     # scaled by N_ee, not S: what is small in the result is what the other unknowns leave over of a column
     scale = 1.0 / np.sqrt(np.where(diagonal > 0.0, diagonal, 1.0))
     scaled = reduced * scale * scale[:, None]
     lower, info = scipy.linalg.lapack.dpotrf(scaled, lower=1, clean=1)
-    if info != 0 or _reciprocal_condition(lower, scaled) < CONDITION_LEAST:
+    if info != 0 or reciprocal_condition(lower, scaled) < CONDITION_LEAST:
         raise SingularError(scaled, scale, slice(0, len(scale)))
-    return Factor(scale, lower, inverse, eliminated)
+    return Factor(scale, lower, root, white)
 
 
-def _reciprocal_condition(lower: Floats, matrix: Floats) -> float:
+def reciprocal_condition(lower: Floats, matrix: Floats) -> float:
     """1 / (|M| |M^-1|) in the 1-norm, estimated from the Cholesky factor `lower` of M."""
     norm = float(np.abs(matrix).sum(axis=0).max())
     reciprocal, _ = scipy.linalg.lapack.dpocon(lower, norm, uplo="L")
     return float(reciprocal)
 
 
-def _invert_point_blocks(pp: Floats, size: int) -> Floats:
-    """V^-1 (n, 3, 3), by scaled blocks. Raises SingularError for the first point that its rays do not determine."""
+def _root_of_point_blocks(pp: Floats, size: int) -> Floats:
+    """L^-1 (n, 3, 3) of V = L L^T, by scaled blocks. Raises SingularError for the first point that its rays do not determine."""
     diagonal = np.einsum("nii->ni", pp)
     scale = 1.0 / np.sqrt(np.where(diagonal > 0.0, diagonal, 1.0))
     scaled = pp * scale[:, :, None] * scale[:, None, :]
@@ -147,4 +160,4 @@ def _invert_point_blocks(pp: Floats, size: int) -> Floats:
     if bad.any():
         point = int(np.argmax(bad))
         raise SingularError(scaled[point], scale[point], slice(size + 3 * point, size + 3 * point + 3))
-    return np.asarray(np.linalg.inv(scaled) * scale[:, :, None] * scale[:, None, :])
+    return np.asarray(np.linalg.inv(np.linalg.cholesky(scaled)) * scale[:, None, :])

@@ -11,7 +11,7 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from adjust.normals import SingularError
+from adjust.normals import Factor, SingularError
 from adjust.observations import Observations
 from adjust.rotation import rotation_derivatives
 from adjust.unknowns import EXTERIOR_NAMES, Unknowns
@@ -19,8 +19,12 @@ from simfield.block import Floats, Indices
 
 NULL_SHARE = 1e-13
 """eigenvalues below this share of the largest belong to the null space; rounding leaves some 1e-16"""
-CONTAINED = 1e-6
-"""sine of the angle within which a direction counts as contained in a space; eigenvectors are good to about 1e-10"""
+CONTAINED = 1e-5
+"""sine of the angle within which a direction counts as contained in a space; eigenvectors are good to about 1e-9"""
+ALIGNED = 1.0 - CONTAINED**2
+"""the same as a squared cosine"""
+WEAK_SHARE = 1e-8
+"""eigenvalues below this share of the largest are worth a hint; good blocks with many parameters stay above 1e-5"""
 LEADING = 0.25
 """an unknown is named when its share is at least this part of the largest"""
 NAMES_MOST = 6
@@ -44,16 +48,26 @@ def explain(error: SingularError, observations: Observations, x: Floats) -> str:
     if empty.size:
         return _without_effect(u, int(empty[0]))
     null = _null_space(error.scaled)
+    by_image = _loose_images(u, null)
+    datum, free = _datum_inside(null, _datum_directions(u, x, error.scale))
+    rest = _without(null, np.hstack([*by_image.values(), datum]))
     sentences = []
-    null, loose = _take_loose_images(u, null)
-    if loose:
-        sentences.append(_loose_images(u, loose))
-    null, free = _take_datum(null, _datum_directions(u, x, error.scale))
+    if by_image:
+        sentences.append(_say_loose(u, by_image))
     if free.shape[1]:
-        sentences.append(_datum(u, free))
-    if null.shape[1]:
-        sentences.append(_not_separable(u, null))
+        sentences.append(_say_datum(u, free))
+    if rest.shape[1]:
+        sentences.append(_say_not_separable(u, rest))
     return "; ".join(sentences)
+
+
+def hardly_separable(factor: Factor, observations: Observations) -> str:
+    """A hint at the weakest combination of unknowns, to be appended to a sentence; empty if it is not weak."""
+    values, vectors = np.linalg.eigh(factor.lower @ factor.lower.T)
+    weak = vectors[:, values < WEAK_SHARE * values[-1]]
+    if not weak.shape[1]:
+        return ""
+    return f"; {_shortened(_leading(observations.image_points.unknowns, weak))} can hardly be separated"
 
 
 def _undetermined_point(u: Unknowns, point: int) -> str:
@@ -78,32 +92,29 @@ def _null_space(scaled: Floats) -> Floats:
 
 
 def _without(null: Floats, taken: Floats) -> Floats:
-    """An orthonormal basis of the part of span(null) that is orthogonal to the orthonormal directions `taken` within it."""
-    rest = null - taken @ (taken.T @ null)
-    left, _, _ = np.linalg.svd(rest, full_matrices=False)
-    return np.asarray(left[:, : null.shape[1] - taken.shape[1]])
+    """An orthonormal basis of the part of span(null) that is orthogonal to the directions `taken` within it."""
+    inside = null.T @ taken
+    _, values, right = np.linalg.svd(inside.T, full_matrices=True)
+    return np.asarray(null @ right[int(np.sum(values > CONTAINED)) :].T)
 
 
-def _take_loose_images(u: Unknowns, null: Floats) -> tuple[Floats, dict[int, int]]:
-    """The null space without the directions that change one image alone, and the number of these by image."""
-    loose: dict[int, int] = {}
+def _loose_images(u: Unknowns, null: Floats) -> dict[int, Floats]:
+    """By image, the directions (E, l) in the null space that change this image alone."""
+    loose: dict[int, Floats] = {}
     for image in range(len(u.block.images)):
         outside = np.ones(len(null), dtype=bool)
         outside[6 * image : 6 * image + 6] = False
         _, values, turn = np.linalg.svd(null[outside], full_matrices=True)
         values = np.pad(values, (0, null.shape[1] - len(values)))
-        alone = null @ turn[values < CONTAINED].T
-        if alone.shape[1]:
-            loose[image] = alone.shape[1]
-            null = _without(null, alone)
-        if not null.shape[1]:
-            break
-    return null, loose
+        alone = turn[values < CONTAINED]
+        if len(alone):
+            loose[image] = null @ alone.T
+    return loose
 
 
-def _loose_images(u: Unknowns, loose: Iterable[int]) -> str:
+def _say_loose(u: Unknowns, images: Iterable[int]) -> str:
     counts = np.bincount(u.block.observations.image, minlength=len(u.block.images))
-    said = [f"image {u.block.images.ids[i]} ({_points(int(counts[i]))})" for i in loose]
+    said = [f"image {u.block.images.ids[i]} ({_points(int(counts[i]))})" for i in images]
     return _shortened(said) + " cannot be oriented: three or more points are needed, not on one line"
 
 
@@ -149,27 +160,26 @@ def _pivot(u: Unknowns, x: Floats) -> Floats:
     return np.array([at[held[:, i] if held[:, i].any() else slice(None), i].mean() for i in range(3)])
 
 
-def _take_datum(null: Floats, datum: Floats) -> tuple[Floats, Floats]:
-    """The null space without the datum, and (7, f) the free motions: orthonormal combinations of the datum directions."""
+def _datum_inside(null: Floats, datum: Floats) -> tuple[Floats, Floats]:
+    """What of the datum directions lies in the null space (E, f), and as motions (7, f): orthonormal combinations."""
     left, values, right = np.linalg.svd(datum, full_matrices=False)
     kept = values > CONTAINED * values[0]
     basis = left[:, kept]
-    cosines, turn = np.linalg.eigh(basis.T @ null @ (null.T @ basis))
-    inside = turn[:, cosines > 1.0 - CONTAINED]
-    motions = (right[kept].T / values[kept]) @ inside
-    free, _ = np.linalg.qr(motions)
-    return _without(null, basis @ inside), free
+    squared_cosine, turn = np.linalg.eigh(basis.T @ null @ (null.T @ basis))
+    inside = turn[:, squared_cosine > ALIGNED]
+    free, _ = np.linalg.qr((right[kept].T / values[kept]) @ inside)
+    return basis @ inside, free
 
 
-def _datum(u: Unknowns, free: Floats) -> str:
+def _say_datum(u: Unknowns, free: Floats) -> str:
     defect = free.shape[1]
     if defect == 7:
         return "there is no control, so the datum is free (shift, rotation and scale of the whole block)"
-    missing = [i for i in range(7) if np.linalg.norm(free[i]) > 1.0 - CONTAINED]
+    missing = [i for i in range(7) if np.linalg.norm(free[i]) > ALIGNED]
     said = [DATUM_NAMES[i] for i in missing]
     rest = _without(free, np.eye(7)[:, missing])
     full = _full_control(u)
-    pure_turn = rest.shape[1] == 1 and np.linalg.norm(rest[3:6, 0]) > 1.0 - CONTAINED
+    pure_turn = rest.shape[1] == 1 and np.linalg.norm(rest[3:6, 0]) > ALIGNED
     if pure_turn and len(full) >= 2:
         said.append(
             f"rotation about the line through the control points {_listed(u.block.points.ids[i] for i in full)}"
@@ -180,9 +190,17 @@ def _datum(u: Unknowns, free: Floats) -> str:
     return f"the control fixes only {7 - defect} of the 7 datum elements; free: {_listed(said)}"
 
 
-def _not_separable(u: Unknowns, null: Floats) -> str:
-    """The unknowns with the largest shares in the null space; an element of many images counts as one."""
-    share = np.linalg.norm(null, axis=1)
+def _say_not_separable(u: Unknowns, null: Floats) -> str:
+    leading = _leading(u, null)
+    if len(leading) == 1:
+        return f"{leading[0]} cannot be determined"
+    combinations = f" (rank defect {null.shape[1]})" if null.shape[1] > 1 else ""
+    return f"{_shortened(leading)} cannot be separated{combinations}"
+
+
+def _leading(u: Unknowns, directions: Floats) -> list[str]:
+    """The unknowns with the largest shares in the directions (E, d); an element of many images counts as one."""
+    share = np.linalg.norm(directions, axis=1)
     images = 6 * len(u.block.images)
     found = [(float(share[i]), u.name(i)) for i in range(images, len(share))]
     for element, name in enumerate(EXTERIOR_NAMES):
@@ -190,11 +208,7 @@ def _not_separable(u: Unknowns, null: Floats) -> str:
         taking_part = np.flatnonzero(column >= LEADING * column.max())
         found.append((float(np.linalg.norm(column)), f"{name} of {_images(u, taking_part)}"))
     top = max(s for s, _ in found)
-    leading = [name for s, name in found if s >= LEADING * top]
-    if len(leading) == 1:
-        return f"{leading[0]} cannot be determined"
-    combinations = f" (rank defect {null.shape[1]})" if null.shape[1] > 1 else ""
-    return f"{_shortened(leading)} cannot be separated{combinations}"
+    return [name for s, name in found if s >= LEADING * top]
 
 
 def _images(u: Unknowns, chosen: Indices) -> str:

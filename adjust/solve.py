@@ -14,8 +14,8 @@ import numpy as np
 
 from adjust.normals import Factor, Normals, SingularError, assemble, factorise
 from adjust.observations import Observations
-from adjust.rank_defect import explain
-from adjust.status import Status
+from adjust.rank_defect import explain, hardly_separable
+from adjust.status import CHECK_START, Status
 from simfield.block import Floats
 
 STEP_ENOUGH = 1e-8
@@ -51,7 +51,10 @@ def solve(observations: Observations, start: Floats) -> Solution:
         try:
             factor = factorise(normals)
         except SingularError as error:
-            return Solution(x, normals, None, Status.SINGULAR, explain(error, observations, x), iteration)
+            detail = explain(error, observations, x) + (
+                f" (not so at the start; {CHECK_START})" if iteration > 1 else ""
+            )
+            return Solution(x, normals, None, Status.SINGULAR, detail, iteration)
         step, length = factor.step(normals)
         if not np.isfinite(length):
             return Solution(x, normals, None, Status.NOT_FINITE, _not_finite(observations, iteration), iteration)
@@ -59,9 +62,10 @@ def solve(observations: Observations, start: Floats) -> Solution:
             return Solution(x + step, normals, factor, Status.CONVERGED, "", iteration)
         shorter = _shorten(observations, x, step, normals.vpv, length)
         if shorter is None:
-            return Solution(x, normals, None, *_stuck(observations, x + step, length), iteration)
+            return Solution(x, normals, None, *_stuck(observations, x + step, length, factor), iteration)
         x = shorter
     detail = f"after {ITERATIONS_MOST} iterations the last step was {length:.2g} standard deviations"
+    detail += hardly_separable(factor, observations)
     return Solution(x, normals, None, Status.NOT_CONVERGED, detail, ITERATIONS_MOST)
 
 
@@ -75,11 +79,12 @@ def _shorten(observations: Observations, x: Floats, step: Floats, vpv: float, le
     return None
 
 
-def _stuck(observations: Observations, x: Floats, length: float) -> tuple[Status, str]:
+def _stuck(observations: Observations, x: Floats, length: float, factor: Factor) -> tuple[Status, str]:
     behind = points_behind(observations, x)
     if behind:
         return Status.BEHIND_CAMERA, behind
-    return Status.NOT_CONVERGED, f"no step lowers vPv; the last was {length:.2g} standard deviations long"
+    detail = f"no step lowers vPv; the last was {length:.2g} standard deviations long"
+    return Status.NOT_CONVERGED, detail + hardly_separable(factor, observations)
 
 
 def _not_finite(observations: Observations, iteration: int) -> str:
@@ -104,4 +109,4 @@ def points_behind(observations: Observations, x: Floats) -> str:
     block = group.unknowns.block
     point, image = block.points.ids[group.point[row]], block.images.ids[group.image[row]]
     more = f" and {int(bad.sum()) - 1} more" if bad.sum() > 1 else ""
-    return f"point {point} behind image {image}{more}; check the approximate orientations: Z0, the angles and their unit (degrees)"
+    return f"point {point} behind image {image}{more}; {CHECK_START}"

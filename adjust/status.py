@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from enum import Enum
 
+CHECK_START = "check the approximate orientations: Z0, the angles and their unit (degrees)"
+"""what to look at when the iteration went astray"""
+
 
 class Status(Enum):
     """The end of an adjustment; the value is the sentence that a user reads."""

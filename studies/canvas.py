@@ -20,7 +20,7 @@ BLACK, ORANGE, SKY, GREEN, BLUE, VERMILION, PURPLE = (
 GREY = "#9a9a9a"
 COLOURS = (BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY)
 MARKERS = ("o", "s", "^", "D", "v", "P")
-STYLE: dict[str, Any] = {
+STYLE: Any = {
     "font.family": "DejaVu Sans",
     "font.size": 8.5,
     "axes.titlesize": 9.5,
@@ -46,8 +46,8 @@ def house_style() -> Iterator[None]:
 
     with matplotlib.rc_context():
         matplotlib.rcdefaults()
-        matplotlib.rcParams.update(STYLE)
-        yield
+        with matplotlib.rc_context(STYLE):
+            yield
 
 
 def new_figure(width_mm: float, height_mm: float) -> Figure:
@@ -59,11 +59,7 @@ def new_figure(width_mm: float, height_mm: float) -> Figure:
 
 def save(figure: Figure, path: Path) -> list[Path]:
     """Write path.svg and path.png; the files."""
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.backends.backend_svg import FigureCanvasSVG
-
     vector, raster = path.with_name(path.name + ".svg"), path.with_name(path.name + ".png")
-    FigureCanvasSVG(figure).print_svg(vector, metadata={"Date": None, "Creator": None})
-    figure.set_dpi(RASTER_DPI)
-    FigureCanvasAgg(figure).print_png(raster, metadata={"Software": None})
+    figure.savefig(vector, metadata={"Date": None, "Creator": None})
+    figure.savefig(raster, metadata={"Software": None}, dpi=RASTER_DPI)
     return [vector, raster]

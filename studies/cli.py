@@ -180,7 +180,7 @@ def _model(model_id: str, settings: tuple[str, ...]) -> ApModel:
 
 
 def _setting(text: str, defaults: dict[str, Any]) -> tuple[str, Any]:
-    """name=value with the value in the type of the setting's default; an unknown name is left to the model to refuse."""
+    """NAME=VALUE with the value in the type of the default; an unknown name is left to the model to refuse."""
     name, equals, value = (part.strip() for part in text.partition("="))
     if not equals or not name or not value:
         raise click.UsageError(f"--set {text}: needed is NAME=VALUE, such as r0_mm=100")

@@ -26,7 +26,7 @@ DIRECTIONS = 72
 
 @dataclass(frozen=True, eq=False)
 class RadialCurve:
-    """Radial-symmetric distortion at radii r_mm (n): estimated_um with std_um, and true_um, which has the same zero r0."""
+    """Radial-symmetric distortion at radii r_mm (n): estimated_um with std_um, and true_um with the same zero r0."""
 
     camera: str
     model: str
@@ -112,7 +112,7 @@ def true_radial(truth: Truth, camera: str, r_mm: Floats, r0_mm: float) -> Floats
 
 
 def decentering_fields(a: Adjustment, camera: str, truth: Truth) -> DecenteringFields:
-    """The decentering vectors of a camera on the grid of the figures. Raises KeyError for a model without a known one."""
+    """The decentering vectors of a camera on the grid of the figures. Raises KeyError for a model without any."""
     model = _model(a, camera)
     columns = [model.parameters.index(name) for name in DECENTERING[model.id]]
     xy = format_grid()
@@ -123,8 +123,15 @@ def decentering_fields(a: Adjustment, camera: str, truth: Truth) -> DecenteringF
             true = true + on.effect.displacement(xy)
     c = next(one.c_mm for one in a.block.cameras if one.camera_id == camera)
     reduced, true_reduced = (perspective_reduction(xy, field, c) for field in (estimated, true))
-    fields = (VectorField(xy, 1000.0 * f) for f in (estimated, true, reduced.field, true_reduced.field))
-    return DecenteringFields(camera, model.id, *fields, np.rad2deg([reduced.phi, reduced.omega]))
+    return DecenteringFields(
+        camera=camera,
+        model=model.id,
+        estimated=VectorField(xy, 1000.0 * estimated),
+        true=VectorField(xy, 1000.0 * true),
+        reduced=VectorField(xy, 1000.0 * reduced.field),
+        true_reduced=VectorField(xy, 1000.0 * true_reduced.field),
+        tilt_deg=np.rad2deg([reduced.phi, reduced.omega]),
+    )
 
 
 def format_grid() -> Floats:

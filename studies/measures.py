@@ -44,7 +44,7 @@ class Deviations:
 
     @property
     def rms_xy_coordinate_m(self) -> float:
-        return self.rms_xy_m / 2.0**0.5
+        return float(self.rms_xy_m / np.sqrt(2.0))
 
 
 @dataclass(frozen=True)

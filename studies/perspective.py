@@ -50,7 +50,7 @@ def tilt_terms(xy: Floats, c: float) -> Floats:
 
 
 def perspective_reduction(xy: Floats, field: Floats, c: float) -> PerspectiveReduction:
-    """Fit tilt and shift of a camera with principal distance c, mm, to a field (k, 2) at xy (k, 2), and take them out."""
+    """Fit tilt and shift of a camera with principal distance c, mm, to a field (k, 2) at xy (k, 2); take them out."""
     shift = np.broadcast_to(np.eye(2), (len(xy), 2, 2))
     design = np.concatenate([tilt_terms(xy, c), shift], axis=2).reshape(-1, 4)
     scale = np.linalg.norm(design, axis=0)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NoReturn
 
 if TYPE_CHECKING:
     from tqdm import tqdm
@@ -12,7 +12,7 @@ SELDOM_S = 60.0
 """between two lines where stderr is no terminal"""
 
 
-def progress_bar(total: int, unit: str) -> tqdm[object]:
+def progress_bar(total: int, unit: str) -> tqdm[NoReturn]:
     """A bar that is redrawn on a terminal, and a line a minute elsewhere."""
     from tqdm import tqdm
 

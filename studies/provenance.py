@@ -27,7 +27,7 @@ def provenance(command: str, parameters: Mapping[str, Any], duration_s: float) -
 
 
 def commit() -> str | None:
-    """The commit of the checkout that simfield runs from, with "+changes" if files differ; None outside of a checkout."""
+    """The commit of the checkout that simfield runs from, "+changes" if files differ; None outside of a checkout."""
     if not (home() / ".git").exists():
         return None
     try:

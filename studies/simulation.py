@@ -5,8 +5,9 @@ from __future__ import annotations
 import difflib
 from pathlib import Path
 
-from simfield import Scenario, ScenarioError, presets, read_scenario, simulate, write_block, write_truth
+from simfield import Scenario, presets, read_scenario, simulate, write_block, write_truth
 from simfield.block_folder import BlockFolderError
+from simfield.scenario import ScenarioError
 
 
 class WrongScenarioError(ValueError):

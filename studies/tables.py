@@ -13,7 +13,7 @@ Format = str | Callable[[Any], str]
 
 
 def write_csv(frame: pd.DataFrame, path: Path, formats: Mapping[str, str]) -> None:
-    """Write a table; formats gives a format specification such as ".3f" for columns; truth values are true and false."""
+    """Write a table; formats gives a specification such as ".3f" for columns; truth values are true and false."""
     text = pd.DataFrame({name: [_cell(v, formats.get(name, "")) for v in frame[name]] for name in frame.columns})
     text.to_csv(path, index=False, lineterminator="\n", encoding="utf-8")
 

@@ -34,7 +34,7 @@ def claims(block: Block, truth: Truth, z0: pd.DataFrame) -> pd.DataFrame:
 
 
 def _a3_a4(block: Block, truth: Truth) -> list[tuple[object, ...]]:
-    lines = []
+    lines: list[tuple[object, ...]] = []
     for model in ("optical", "torlegard"):
         for aux in (False, True):
             a = adjusted(sub_block(block, truth, BOTH, aux), model)
@@ -48,7 +48,7 @@ def _a3_a4(block: Block, truth: Truth) -> list[tuple[object, ...]]:
 def _z0(curves: pd.DataFrame) -> list[tuple[object, ...]]:
     chosen = curves[curves["r0_mm"].isin(PUBLISHED_Z0)]
     return [
-        (Z0_CLAIM, "optical", r0, aux, camera, images, f"mean |R(Z0,{name})|", PUBLISHED_Z0[r0], mean)
+        (Z0_CLAIM, "optical", r0, aux, camera, images, f"mean abs R(Z0,{name})", PUBLISHED_Z0[r0], mean)
         for r0, aux, camera, images, name, mean in chosen[
             ["r0_mm", "aux_points", "camera", "images", "parameter", "mean_abs_r"]
         ]
@@ -133,6 +133,6 @@ def standard_errors(block: Block, truth: Truth, rows: Sequence[Row]) -> pd.DataF
 
 
 def falling(errors: pd.DataFrame) -> tuple[int, int]:
-    """Of how many standard errors the one with auxiliary points (higher redundancy) is smaller, and how many there are."""
+    """How many standard errors are smaller with auxiliary points (higher redundancy), and how many there are."""
     wide = errors.pivot(index=["model", "block", "camera", "parameter"], columns="aux_points", values="std")
     return int((wide[True] < wide[False]).sum()), len(wide)

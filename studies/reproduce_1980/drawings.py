@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -18,6 +18,10 @@ from studies.reproduce_1980.experiment import BOTH, CAMERA_TITLES, CAMERAS, SECT
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+VECTOR_UNIT_UM = 10.0
+"""the paper's"""
+REDUCED_UNIT_UM = 2.0
+"""five times larger, for what is left is small"""
 AUX = {False: "without auxiliary points", True: "with auxiliary points"}
 
 
@@ -33,7 +37,7 @@ def table1_figure(tables: Mapping[str, pd.DataFrame]) -> Figure:
     titles = {"m0_um": "m0, µm", "mu_xy_mm": "mu_xy (2-D), mm", "mu_z_mm": "mu_z, mm"}
     for axes, (name, title) in zip(panels, titles.items(), strict=True):
         simulated = {
-            world: (*(t[f"sim_{name}{part}"].to_numpy(float) for part in ("", "_lo", "_hi")),)
+            world: tuple(t[f"sim_{name}{part}"].to_numpy(float) for part in ("", "_lo", "_hi"))
             for world, t in tables.items()
         }
         figures.ranges(axes, labels, first[name].to_numpy(float), simulated)
@@ -46,7 +50,7 @@ def table1_figure(tables: Mapping[str, pd.DataFrame]) -> Figure:
 
 def table2_figure(table: pd.DataFrame, camera: str, rms: pd.DataFrame) -> Figure:
     """Heat maps of Table 2: simulated above the diagonal, published below."""
-    figure = new_figure(210, 116)
+    figure = new_figure(210, 106)
     panels = figure.subplots(1, 2)
     for axes, aux in zip(panels, AUX, strict=True):
         simulated, paper = (table2.matrix(table, aux, camera, "corrected", c) for c in ("simulated", "published"))
@@ -100,38 +104,23 @@ def z0_figure(curves: pd.DataFrame) -> Figure:
 
 
 def errors_figure(errors: pd.DataFrame) -> Figure:
-    """Standard errors of model 3.1 against redundancy: left of each line the separate adjustment without auxiliary
-    points.
-    """
+    """Standard errors of model 3.1 against redundancy: each line goes from without to with auxiliary points."""
     figure = new_figure(190, 92)
     panels = figure.subplots(1, 2, sharey=True)
     for axes, camera in zip(panels, CAMERAS, strict=True):
-        chosen = errors[(errors["camera"] == camera) & (errors["model"] == "optical")]
-        series = {
-            str(name): (part["redundancy"].to_numpy(float), part["effect_um"].to_numpy(float))
-            for name, part in chosen.groupby("parameter")
-        }
-        figures.falling_errors(axes, series)
-        axes.set(title=CAMERA_TITLES[camera], xlabel="redundancy")
-        ticks = np.unique(chosen["redundancy"])
-        axes.set_xticks(ticks, [str(t) for t in ticks], fontsize=7.5)
+        for block, how in ((camera, "camera alone"), (BOTH, "both cameras")):
+            chosen = errors[(errors["camera"] == camera) & (errors["model"] == "optical") & (errors["block"] == block)]
+            series = {
+                f"{name}, {how}": (part["redundancy"].to_numpy(float), part["effect_um"].to_numpy(float))
+                for name, part in chosen.groupby("parameter")
+            }
+            figures.falling_errors(axes, series, dashed=block != BOTH)
+        axes.set(title=CAMERA_TITLES[camera], xlabel="redundancy", xlim=(500, 8000), ylim=(0.3, 2.0))
+        axes.set_xticks([500, 1000, 2000, 5000], ["500", "1000", "2000", "5000"])
+        axes.set_yticks([0.3, 0.5, 1.0, 2.0], ["0.3", "0.5", "1", "2"])
         axes.minorticks_off()
-        for redundancy, block, aux in (
-            chosen[["redundancy", "block", "aux_points"]].drop_duplicates().to_numpy().tolist()
-        ):
-            text = f"{'both' if block == BOTH else 'alone'}, {'with' if aux else 'without'}"
-            axes.annotate(
-                text,
-                (redundancy, 0.98),
-                xycoords=("data", "axes fraction"),
-                rotation=90,
-                ha="right",
-                va="top",
-                fontsize=6.5,
-            )
     panels[0].set_ylabel("standard error of the parameter,\nas rms displacement over the format, µm")
-    panels[0].set_yticks([0.1, 0.2, 0.5, 1.0, 2.0], ["0.1", "0.2", "0.5", "1", "2"])
-    figure.legend(*panels[0].get_legend_handles_labels(), loc="outside lower center", ncols=4)
+    figure.legend(*panels[0].get_legend_handles_labels(), loc="outside lower center", ncols=4, fontsize=7.5)
     return figure
 
 
@@ -146,28 +135,22 @@ def figure1(counts: Mapping[str, Mapping[str, Floats]], edges_mm: Floats) -> Fig
     return figure
 
 
-def distortion_figure(curve: RadialCurve, fields: DecenteringFields) -> Figure:
+def distortion_figure(curves: Mapping[str, RadialCurve], fields: DecenteringFields) -> Figure:
     """Figures 2 and 3: a true radial distortion, b from the additional parameters, c decentering, d reduced."""
+    curve = curves[fields.model]
     figure = new_figure(190, 195)
-    panels = figure.subplots(2, 2, height_ratios=(1, 1.25))
-    (a, b), (c, d) = panels
+    (a, b), (c, d) = figure.subplots(2, 2, height_ratios=(1, 1.35))
     figures.true_radial_curve(a, curve)
-    figures.radial_curve(b, curve)
+    figures.radial_curve(b, curve, {f"from model {SECTIONS[m]}": o for m, o in curves.items() if m != fields.model})
     limit = 1.1 * max(np.abs([*a.get_ylim(), *b.get_ylim()]))
     for axes in (a, b):
         axes.set_ylim(-limit, limit)
-    a.set_title("a  radial-symmetric, true lens")
-    b.set_title(f"b  radial-symmetric, model {SECTIONS[curve.model]}")
-    figures.vectors(c, fields.estimated, fields.true)
-    figures.vectors(d, fields.reduced, fields.true_reduced)
+    a.set_title("a  radial-symmetric, true")
+    b.set_title(f"b  radial-symmetric, from model {SECTIONS[curve.model]}")
+    figures.vectors(c, fields.estimated, fields.true, VECTOR_UNIT_UM)
+    figures.vectors(d, fields.reduced, fields.true_reduced, REDUCED_UNIT_UM)
     phi, omega = fields.tilt_deg * 3600.0
-    c.set_title(f"c  decentering, as estimated (grey: true)\n{figures.vector_legend(fields.estimated)}")
-    d.set_title(
-        f"d  the same, tilt {phi:.0f}″, {omega:.0f}″ taken out\n{figures.vector_legend(fields.reduced)}".replace(
-            "-", "−"
-        )
-    )
-    for axes in (c, d):
-        axes.title.set_fontsize(8.5)
+    c.set_title("c  decentering as estimated (grey: true)")
+    d.set_title(f"d  the same without the tilt of {phi:.0f}″ and {omega:.0f}″".replace("-", "−"))
     figure.suptitle(f"{CAMERA_TITLES[curve.camera]}, simultaneous adjustment with auxiliary points", fontsize=10)
     return figure

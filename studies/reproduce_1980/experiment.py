@@ -37,7 +37,8 @@ class Row:
 def rows() -> list[Row]:
     """The rows of Table 1 in the paper's order."""
     table = published.mauelshagen_table1()
-    return [Row(*map(str, r[:2]), bool(r[2])) for r in table[["model", "block", "aux_points"]].to_numpy().tolist()]
+    names = table[["model", "block", "aux_points"]].to_numpy().tolist()
+    return [Row(str(model), str(block), bool(aux_points)) for model, block, aux_points in names]
 
 
 def sub_block(block: Block, truth: Truth, name: str, aux_points: bool) -> Block:
@@ -56,7 +57,7 @@ def adjusted(block: Block, model: ApModel | str) -> Adjustment:
 
 
 def middle_images(truth: Truth, camera: str) -> tuple[str, ...]:
-    """The middle image of every strip of a camera, the paper's "Vollbild": the one nearest to the centre of the field."""
+    """The middle image of every strip of a camera, the paper's "Vollbild": the one nearest to the field's centre."""
     centre = 0.5 * (truth.coordinates[:, :2].min(axis=0) + truth.coordinates[:, :2].max(axis=0))
     distance = np.hypot(*(truth.exterior[:, :2] - centre).T)
     nearest: dict[str, int] = {}

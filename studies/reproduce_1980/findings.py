@@ -14,7 +14,7 @@ from simfield.truth import Truth
 from studies.distortion import DecenteringFields, RadialCurve, decentering_fields, radial_curve
 from studies.progress import progress_bar
 from studies.reproduce_1980 import claims, table1, table2
-from studies.reproduce_1980.experiment import BOTH, CAMERAS, Row, adjusted, middle_images, rows, sub_block
+from studies.reproduce_1980.experiment import BOTH, CAMERAS, SECTIONS, Row, adjusted, middle_images, rows, sub_block
 from studies.reproduce_1980.trials import run_trials
 
 WORLD = "rheidt-1980"
@@ -41,7 +41,8 @@ class Findings:
     z0: pd.DataFrame
     errors: pd.DataFrame
     radii: dict[str, dict[str, Floats]]
-    curves: dict[str, RadialCurve]
+    curves: dict[str, dict[str, RadialCurve]]
+    """by camera and model"""
     fields: dict[str, DecenteringFields]
     failures: list[str]
 
@@ -58,7 +59,7 @@ def compute(trials: int, jobs: int | None, seed: int) -> Findings:
         block, truth = world.observe(0)
         correlations = table2.table2(block, truth)
         z0 = claims.z0_correlations(block, truth)
-        both = adjusted(sub_block(block, truth, BOTH, True), "optical")
+        both = {model: adjusted(sub_block(block, truth, BOTH, True), model) for model in SECTIONS}
         return Findings(
             world,
             film_world,
@@ -73,14 +74,14 @@ def compute(trials: int, jobs: int | None, seed: int) -> Findings:
             z0,
             claims.standard_errors(block, truth, experiment),
             {camera: _radii(block, truth, camera) for camera in CAMERAS},
-            {camera: radial_curve(both, camera, truth) for camera in CAMERAS},
-            {camera: decentering_fields(both, camera, truth) for camera in CAMERAS},
+            {c: {model: radial_curve(a, c, truth) for model, a in both.items()} for c in CAMERAS},
+            {c: decentering_fields(both["optical"], c, truth) for c in CAMERAS},
             _failures(experiment, flown, WORLD) + _failures(experiment, film_flown, FILM_WORLD),
         )
 
 
 def _radii(block: Block, truth: Truth, camera: str) -> dict[str, Floats]:
-    """Points of a middle image by radius, the mean over the camera's middle images, with and without auxiliary points."""
+    """Points of a middle image by radius, the mean over the camera's middle images, with and without auxiliary."""
     images = [block.images.ids.index(name) for name in middle_images(truth, camera)]
     main = np.isin(block.points.ids, truth.main_points)
     observations = block.observations

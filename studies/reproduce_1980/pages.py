@@ -185,7 +185,7 @@ def _claims(found: Findings) -> Iterator[str]:
             yield "![Correlation with Z0](z0_correlations.svg)\n"
     smaller, of = claims.falling(found.errors)
     yield "### 5.4  Standard errors fall as redundancy rises\n"
-    yield f"With auxiliary points {smaller} of {of} standard errors of additional parameters are smaller than without.\n"
+    yield f"With auxiliary points {smaller} of {of} standard errors of the parameters are smaller than without.\n"
     yield "![Standard errors](standard_errors.svg)\n"
 
 
@@ -194,7 +194,8 @@ def _figures(found: Findings) -> Iterator[str]:
     yield "![Figure 1](figure1.svg)\n"
     yield "Figure 1: points of a full image by radius.\n"
     for number, camera in enumerate(CAMERAS, start=2):
-        curve, fields = found.curves[camera], found.fields[camera]
+        fields = found.fields[camera]
+        curve = found.curves[camera][fields.model]
         yield f"![Figure {number}](figure{number}.svg)\n"
         inside = abs(curve.estimated_um - curve.true_um) <= 2.0 * curve.std_um
         yield (

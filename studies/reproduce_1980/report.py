@@ -1,4 +1,4 @@
-"""Writes the reproduction: tables, figures, report.md and provenance.json. Only this module knows the names of files."""
+"""Writes the reproduction: tables, figures, report.md and provenance.json. Only this module knows file names."""
 
 from __future__ import annotations
 

@@ -21,7 +21,7 @@ class Reproduction:
 
 
 def reproduce(folder: Path, *, trials: int, jobs: int | None, seed: int) -> Reproduction:
-    """Write the reproduction into a folder. Raises ReproductionError if it is impossible, OSError if it cannot write."""
+    """Write the reproduction into a folder. Raises ReproductionError if there is none, OSError if it cannot write."""
     started = time.monotonic()
     folder.mkdir(parents=True, exist_ok=True)
     command = f"simfield reproduce mauelshagen-1980 --trials {trials} --seed {seed}"

@@ -73,7 +73,7 @@ def rms_of_differences(table: pd.DataFrame) -> pd.DataFrame:
 def best_fit(rms: pd.DataFrame, variant: str, aux_points: bool) -> tuple[str, float]:
     """The camera that fits best, and its rms, with the printed row as labelled."""
     chosen = rms[(rms["variant"] == variant) & (rms["aux_points"] == aux_points)]
-    line = chosen.loc[chosen["as_labelled"].idxmin()]
+    line = chosen.sort_values("as_labelled").iloc[0]
     return str(line["camera"]), float(line["as_labelled"])
 
 

@@ -1,0 +1,199 @@
+"""Normal equations assembled by compiled loops: the same as adjust.normals, for one adjustment as fast as it goes.
+
+Two ways to reduce them. A block whose images nearly all share points with one another gets a dense reduced matrix, and
+BLAS does the work. A large block gets a banded one: images are ordered so that those sharing points are neighbours
+(reverse Cuthill-McKee), and the additional parameters, which touch every image, stand in a border.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+import scipy.linalg
+import scipy.sparse
+
+from adjust import compiled_assembly as loops
+from adjust.band_factor import BandFactor, banded
+from adjust.normals import CONDITION_LEAST, DETERMINANT_LEAST, Factor, SingularError, reciprocal_condition
+from adjust.observations import Observations
+from adjust.rotation import rotation_matrices
+from simfield.block import Floats, Indices
+
+DENSE_MOST = 1500
+"""orientation unknowns up to which the reduced matrix is always dense: 18 MB, and a factorisation in some 50 ms"""
+
+
+@dataclass(frozen=True, eq=False)
+class CompiledNormals:
+    """Assembled normal equations of m images, k observations, n points, A additional parameters.
+
+    ee (m, 6, 6) lower triangles, ea (m, 6, A), aa (A, A), pe (k, 3, 6), pa (n, 3, A), pp (n, 3, 3), the gradients
+    e (6m + A) and p (n, 3), and vPv; depth: the least depth of a point before a camera, m.
+    """
+
+    ee: Floats
+    ea: Floats
+    aa: Floats
+    pe: Floats
+    pa: Floats
+    pp: Floats
+    gradient_e: Floats
+    gradient_p: Floats
+    vpv: float
+    depth: float
+
+    @property
+    def finite(self) -> bool:
+        return bool(np.isfinite(self.vpv) and np.isfinite(self.gradient_e).all() and np.isfinite(self.gradient_p).all())
+
+
+@dataclass(frozen=True, eq=False)
+class Assembly:
+    """What stays the same from one iteration to the next."""
+
+    observations: Observations
+
+    @cached_property
+    def first(self) -> Indices:
+        """(m) the first column of each image's AP set, counted from the first parameter."""
+        u = self.observations.image_points.unknowns
+        starts = np.array([s.columns.start for s in u.sets], dtype=np.intp) - 6 * len(u.block.images)
+        return np.asarray(starts[u.image_set])
+
+    @cached_property
+    def aa(self) -> Floats:
+        """(A, A): the AP terms stand at the measured coordinates, so their normal equations never change."""
+        g = self.observations.image_points
+        u = g.unknowns
+        images = 6 * len(u.block.images)
+        aa = np.zeros((u.orientation - images, u.orientation - images))
+        for number, s in enumerate(u.sets):
+            rows = u.image_set[g.image] == number
+            basis = g.basis[rows, :, : len(s.model.parameters)].reshape(-1, len(s.model.parameters))
+            at = slice(s.columns.start - images, s.columns.stop - images)
+            aa[at, at] = (basis * g.weight[rows].reshape(-1, 1)).T @ basis
+        return aa
+
+    @cached_property
+    def free(self) -> Floats:
+        """(n, 3): 1 for free coordinates, 0 for fixed ones."""
+        return (~self.observations.image_points.unknowns.block.points.fixed).astype(float)
+
+    @cached_property
+    def widths(self) -> tuple[int, int, int, int]:
+        """m, k, n, A."""
+        g = self.observations.image_points
+        m = len(g.unknowns.block.images)
+        return m, len(g.image), len(g.unknowns.block.points), g.unknowns.orientation - 6 * m
+
+    def at(self, x: Floats) -> CompiledNormals:
+        """The normal equations of all groups at x."""
+        g = self.observations.image_points
+        u = g.unknowns
+        m, k, n, a = self.widths
+        exterior = np.ascontiguousarray(u.exterior(x))
+        v = np.einsum("kij,kj->ki", g.basis, g.ap_values(x)[g.image])
+        by_exterior, by_point = np.empty((k, 2, 6)), np.empty((k, 2, 3))
+        rotation = rotation_matrices(exterior[:, 3:])
+        points = np.ascontiguousarray(u.points(x))
+        depth = loops.linearise(
+            exterior, rotation, g.interior, points, g.starts, g.point, g.xy, v, by_exterior, by_point
+        )
+        ee, ea, pe, pa, pp = np.zeros((m, 6, 6)), np.zeros((m, 6, a)), np.empty((k, 3, 6)), np.zeros((n, 3, a)), None
+        pp, gradient_e, gradient_p = np.zeros((n, 3, 3)), np.zeros(6 * m + a), np.zeros((n, 3))
+        vpv = loops.accumulate(
+            g.starts, g.point, g.weight, self.free, self.first, v, by_exterior, by_point, g.basis,
+            ee, ea, pe, pa, pp, gradient_e[: 6 * m].reshape(m, 6), gradient_e[6 * m :], gradient_p,
+        )  # fmt: skip
+        vpv += self._add_control(x, pp, gradient_p)
+        return CompiledNormals(ee, ea, self.aa, pe, pa, pp, gradient_e, gradient_p, vpv, depth)
+
+    def _add_control(self, x: Floats, pp: Floats, gradient_p: Floats) -> float:
+        u = self.observations.image_points.unknowns
+        control = self.observations.control
+        at_point, axis = np.divmod(control.columns - u.orientation, 3)
+        v = control.residuals(x)
+        pp[at_point, axis, axis] += control.weight
+        gradient_p[at_point, axis] += control.weight * v
+        fixed_point, fixed_axis = np.nonzero(u.block.points.fixed)
+        pp[fixed_point, fixed_axis, fixed_axis] = 1.0
+        return float(np.sum(control.weight * v**2))
+
+    def factorise(self, normals: CompiledNormals) -> Factor | BandFactor:
+        """Eliminate the points and factorise. Raises SingularError."""
+        g = self.observations.image_points
+        size = g.unknowns.orientation
+        root = np.empty_like(normals.pp)
+        bad = loops.cholesky_blocks(normals.pp, DETERMINANT_LEAST, root)
+        if bad >= 0:
+            block = normals.pp[bad]
+            scale = 1.0 / np.sqrt(np.where(np.diag(block) > 0.0, np.diag(block), 1.0))
+            raise SingularError(block * scale * scale[:, None], scale, slice(size + 3 * bad, size + 3 * bad + 3))
+        white = np.empty_like(normals.pe)
+        loops.whiten(g.point, root, normals.pe, white)
+        white_a = root @ normals.pa
+        if size <= DENSE_MOST or not self.ordering.narrow:
+            return self._dense(normals, root, white, white_a)
+        return banded(normals, self.ordering, g, root, white, white_a)
+
+    @cached_property
+    def ordering(self) -> Ordering:
+        return Ordering.of(self.observations)
+
+    def _dense(self, normals: CompiledNormals, root: Floats, white: Floats, white_a: Floats) -> Factor:
+        g = self.observations.image_points
+        m, _, n, _ = self.widths
+        size = g.unknowns.orientation
+        dense = np.zeros((3 * n, size))
+        loops.scatter(g.starts, g.point, white, dense)
+        dense[:, 6 * m :] = white_a.reshape(3 * n, -1)
+        # only the lower triangle of the Fortran-ordered matrix is used
+        reduced = scipy.linalg.blas.dsyrk(-1.0, dense.T, lower=1)
+        diagonal = np.empty(size)
+        for i in range(m):
+            reduced[6 * i : 6 * i + 6, 6 * i : 6 * i + 6] += normals.ee[i]
+        reduced[6 * m :, : 6 * m] += normals.ea.reshape(6 * m, -1).T
+        reduced[6 * m :, 6 * m :] += normals.aa
+        diagonal[: 6 * m] = np.einsum("mii->mi", normals.ee).ravel()
+        diagonal[6 * m :] = np.diag(normals.aa)
+        scale = 1.0 / np.sqrt(np.where(diagonal > 0.0, diagonal, 1.0))
+        reduced *= scale
+        reduced *= scale[:, None]
+        lower, info = scipy.linalg.lapack.dpotrf(reduced, lower=1, clean=1)
+        if info != 0 or reciprocal_condition(lower, reduced) < CONDITION_LEAST:
+            full = np.tril(reduced) + np.tril(reduced, -1).T
+            raise SingularError(full, scale, slice(0, size))
+        return Factor(scale, lower, root, dense.reshape(n, 3, size))
+
+
+@dataclass(frozen=True, eq=False)
+class Ordering:
+    """The order of images in a banded matrix: place (m) of every image, half bandwidth in images, and rays by point."""
+
+    place: Indices
+    reach: int
+    ray_starts: Indices
+    rays: Indices
+
+    @property
+    def narrow(self) -> bool:
+        """Whether a band saves work against a dense matrix."""
+        return 3 * self.reach < len(self.place)
+
+    @classmethod
+    def of(cls, observations: Observations) -> Ordering:
+        g = observations.image_points
+        u = g.unknowns
+        m, n = len(u.block.images), len(u.block.points)
+        seen: Any = scipy.sparse.csr_array((np.ones(len(g.image)), (g.image, g.point)), shape=(m, n))
+        shared = scipy.sparse.csr_array(seen @ seen.T)
+        order = scipy.sparse.csgraph.reverse_cuthill_mckee(shared, symmetric_mode=True)
+        place = np.empty(m, dtype=np.intp)
+        place[order] = np.arange(m)
+        pairs = shared.tocoo()
+        reach = int(np.abs(place[pairs.coords[0]] - place[pairs.coords[1]]).max(initial=0))
+        rays = np.argsort(g.point, kind="stable")
+        return cls(place, reach, np.searchsorted(g.point[rays], np.arange(n + 1)), rays)
