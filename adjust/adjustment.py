@@ -8,9 +8,10 @@ from functools import cached_property
 
 import numpy as np
 
-from adjust.normals import Factor
+from adjust.normals import SingularError
 from adjust.observations import Observations
 from adjust.precision import Cofactors
+from adjust.solve import Arithmetic
 from adjust.status import Status
 from adjust.unknowns import EXTERIOR_NAMES, POINT_NAMES, Unknowns
 from simfield.block import Block, Floats
@@ -21,7 +22,7 @@ Name = tuple[str, str]
 
 @dataclass(frozen=True, eq=False)
 class Estimates:
-    """Estimates of one kind: ids, names of the columns, values and standard deviations of the same shape.
+    """Estimates of one kind: ids of the rows, names of the columns, values and standard deviations of the same shape.
 
     Standard deviations are a posteriori (times sigma0); NaN where the adjustment failed, 0 where a value is held fixed.
     """
@@ -41,7 +42,7 @@ class ApEstimate:
     std: Floats
 
     def __getitem__(self, name: str) -> float:
-        """The value of one parameter."""
+        """The value of one parameter. Raises ValueError for a name that the model does not have."""
         return float(self.values[self.names.index(name)])
 
 
@@ -59,7 +60,7 @@ class Adjustment:
     status: Status
     message: str
     iterations: int
-    factor: Factor | None
+    arithmetic: Arithmetic
 
     @property
     def unknowns(self) -> int:
@@ -105,33 +106,45 @@ class Adjustment:
 
     @cached_property
     def cofactors(self) -> Cofactors:
-        """Raises ValueError where the adjustment failed."""
-        if self.factor is None:
+        """The cofactors at the estimate. Raises ValueError where the adjustment failed."""
+        if not self.status.ok:
             raise ValueError(f"no cofactors: {self.message}")
-        return Cofactors(self.layout, self.factor)
+        try:
+            return Cofactors(self.layout, self.arithmetic.factorise(self.arithmetic.at(self.x)))
+        except SingularError as error:
+            raise ValueError("no cofactors: the normal equations are singular at the estimate") from error
 
     @cached_property
     def std(self) -> Floats:
         """The standard deviation of every unknown in the layout of x."""
-        if self.factor is None:
+        if not self.status.ok:
             return np.full(len(self.x), np.nan)
         return np.asarray(self.sigma0 * np.sqrt(self.cofactors.diagonal))
 
     @cached_property
-    def images(self) -> Estimates:
-        """Exterior orientations (m, 6): X0, Y0, Z0 in m, omega, phi, kappa in rad."""
+    def exterior(self) -> Floats:
+        """Exterior orientations (m, 6): X0, Y0, Z0 in m, omega, phi, kappa in rad; without standard deviations."""
         values = self.layout.exterior(self.x).copy()
         values[:, :3] += self.layout.origin
-        std = self.layout.exterior(self.std)
-        return Estimates(self.block.images.ids, EXTERIOR_NAMES, values, std)
+        return values
 
     @cached_property
-    def points(self) -> Estimates:
-        """Adjusted coordinates (n, 3), m."""
+    def coordinates(self) -> Floats:
+        """Adjusted coordinates (n, 3), m; without standard deviations."""
         values = self.layout.points(self.x) + self.layout.origin
         fixed = self.block.points.fixed
         values[fixed] = self.block.points.coordinates[fixed]
-        return Estimates(self.block.points.ids, POINT_NAMES, values, self.layout.points(self.std))
+        return values
+
+    @cached_property
+    def images(self) -> Estimates:
+        """Exterior orientations (m, 6) with standard deviations, units as in `exterior`."""
+        return Estimates(self.block.images.ids, EXTERIOR_NAMES, self.exterior, self.layout.exterior(self.std))
+
+    @cached_property
+    def points(self) -> Estimates:
+        """Adjusted coordinates (n, 3) with standard deviations, m."""
+        return Estimates(self.block.points.ids, POINT_NAMES, self.coordinates, self.layout.points(self.std))
 
     @cached_property
     def ap(self) -> dict[str, ApEstimate]:

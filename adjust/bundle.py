@@ -10,19 +10,24 @@ from adjust import initial
 from adjust.adjustment import Adjustment
 from adjust.ap_models.mauelshagen import NoModel
 from adjust.ap_models.model import ApModel
+from adjust.compiled_normals import Compiled
+from adjust.normals import Plain
 from adjust.observations import Observations
-from adjust.solve import Solution, solve
+from adjust.solve import Arithmetic, Solution, solve
 from adjust.status import Status
 from adjust.unknowns import Unknowns
 from simfield.block import Block
 
 
-def adjust_block(block: Block, model: ApModel | Mapping[str, ApModel] | None = None) -> Adjustment:
+def adjust_block(
+    block: Block, model: ApModel | Mapping[str, ApModel] | None = None, *, compiled: bool = True
+) -> Adjustment:
     """Adjust a block by bundles, with one set of additional parameters a camera.
 
     model is one AP model for all cameras (None: no additional parameters) or a mapping from camera id to model. The
     result's `status` says whether the adjustment succeeded; nothing is raised for data that cannot be adjusted. Raises
-    KeyError for a mapping without one of the cameras.
+    KeyError for a mapping without one of the cameras. compiled=False takes the readable arithmetic in plain numpy,
+    with the same result.
 
     Least squares of measured + v = projected + d(measured) with weights 1/sigma^2, by Gauss-Newton with the points
     eliminated (Triggs et al. 2000, Bundle adjustment - a modern synthesis, sections 4 and 6).
@@ -30,21 +35,20 @@ def adjust_block(block: Block, model: ApModel | Mapping[str, ApModel] | None = N
     unknowns = Unknowns.of(block, NoModel() if model is None else model)
     with np.errstate(all="ignore"):  # what is not finite ends with a status, not with a warning
         groups = Observations.of(block, unknowns)
-        solution = _checked_solution(unknowns, groups)
+        arithmetic = Compiled(groups) if compiled else Plain(groups)
+        solution = _checked_solution(unknowns, groups, arithmetic)
     sentence = solution.status.value + (f": {solution.detail}" if solution.detail else "")
-    return Adjustment(
-        block, unknowns, groups, solution.x, solution.status, sentence, solution.iterations, solution.factor
-    )
+    return Adjustment(block, unknowns, groups, solution.x, solution.status, sentence, solution.iterations, arithmetic)
 
 
-def _checked_solution(unknowns: Unknowns, groups: Observations) -> Solution:
+def _checked_solution(unknowns: Unknowns, groups: Observations, arithmetic: Arithmetic) -> Solution:
     nothing = np.full(len(unknowns.free), np.nan)
     redundancy = groups.count - unknowns.count
     if redundancy <= 0:
         detail = f"{groups.count} observations for {unknowns.count} unknowns, redundancy {redundancy}"
-        return Solution(nothing, None, None, Status.TOO_LITTLE_REDUNDANCY, detail, 0)
+        return Solution(nothing, Status.TOO_LITTLE_REDUNDANCY, detail, 0)
     try:
         start = initial.values(unknowns, groups.image_points)
     except initial.NoStartError as error:
-        return Solution(nothing, None, None, Status.NO_START, str(error), 0)
-    return solve(groups, start)
+        return Solution(nothing, Status.NO_START, str(error), 0)
+    return solve(groups, start, arithmetic)

@@ -19,6 +19,7 @@ from adjust import kernels
 from adjust.adjustment import Adjustment
 from adjust.ap_models.model import ApModel
 from adjust.bundle import adjust_block
+from adjust.compiled_normals import Compiled
 from adjust.kernels import LANES
 from adjust.observations import Observations
 from adjust.solve import solve
@@ -194,7 +195,7 @@ class Chord:
         reduced = (points.coordinates - layout.origin).ravel()
         start[layout.orientation :][points.fixed.ravel()] = reduced[points.fixed.ravel()]
         groups = Observations.of(block, layout)
-        solution = solve(groups, start)
+        solution = solve(groups, start, Compiled(groups))
         trials.x[trial] = solution.x if solution.status.ok else np.nan
         trials.vpv[trial] = groups.cost(solution.x) if solution.status.ok else np.nan
         trials.status[trial] = STATUSES.index(solution.status)

@@ -81,21 +81,44 @@ def accumulate(
                 for j in range(6):
                     wj = w * by_exterior[k, q, j]
                     gradient_e[i, j] += wj * vq
-                    for l in range(j + 1):
-                        ee[i, j, l] += wj * by_exterior[k, q, l]
-                    for l in range(width):
-                        ea[i, j, a0 + l] += wj * basis[k, q, l]
+                    for r in range(j + 1):
+                        ee[i, j, r] += wj * by_exterior[k, q, r]
+                    for r in range(width):
+                        ea[i, j, a0 + r] += wj * basis[k, q, r]
                 for j in range(3):
                     wj = w * by_point[k, q, j]
                     gradient_p[p, j] += wj * vq
-                    for l in range(3):
-                        pp[p, j, l] += wj * by_point[k, q, l]
-                    for l in range(6):
-                        pe[k, j, l] += wj * by_exterior[k, q, l]
-                    for l in range(width):
-                        pa[p, j, a0 + l] += wj * basis[k, q, l]
-                for l in range(width):
-                    gradient_a[a0 + l] += w * vq * basis[k, q, l]
+                    for r in range(3):
+                        pp[p, j, r] += wj * by_point[k, q, r]
+                    for r in range(6):
+                        pe[k, j, r] += wj * by_exterior[k, q, r]
+                    for r in range(width):
+                        pa[p, j, a0 + r] += wj * basis[k, q, r]
+                for r in range(width):
+                    gradient_a[a0 + r] += w * vq * basis[k, q, r]
+    return vpv
+
+
+@numba.njit(cache=True, error_model="numpy", fastmath={"contract"})
+def gradient(
+    starts: Any, point: Any, weight: Any, free: Any, first: Any, v: Any, by_exterior: Any, by_point: Any, basis: Any,
+    gradient_e: Any, gradient_a: Any, gradient_p: Any,
+) -> float:  # fmt: skip
+    """The gradients of `accumulate` alone; returns vPv."""
+    vpv = 0.0
+    for i in range(starts.size - 1):
+        a0 = first[i]
+        for k in range(starts[i], starts[i + 1]):
+            p = point[k]
+            for q in range(2):
+                f = weight[k, q] * v[k, q]
+                vpv += f * v[k, q]
+                for j in range(6):
+                    gradient_e[i, j] += f * by_exterior[k, q, j]
+                for j in range(3):
+                    gradient_p[p, j] += f * by_point[k, q, j] * free[p, j]
+                for r in range(basis.shape[2]):
+                    gradient_a[a0 + r] += f * basis[k, q, r]
     return vpv
 
 
@@ -129,11 +152,11 @@ def whiten(point: Any, lower: Any, pe: Any, out: Any) -> None:
     """out (k, 3, 6) = L^-1 of the point times pe (k, 3, 6)."""
     for k in range(point.size):
         inverse = lower[point[k]]
-        for l in range(6):
-            x, y, z = pe[k, 0, l], pe[k, 1, l], pe[k, 2, l]
-            out[k, 0, l] = inverse[0, 0] * x
-            out[k, 1, l] = inverse[1, 0] * x + inverse[1, 1] * y
-            out[k, 2, l] = inverse[2, 0] * x + inverse[2, 1] * y + inverse[2, 2] * z
+        for r in range(6):
+            x, y, z = pe[k, 0, r], pe[k, 1, r], pe[k, 2, r]
+            out[k, 0, r] = inverse[0, 0] * x
+            out[k, 1, r] = inverse[1, 0] * x + inverse[1, 1] * y
+            out[k, 2, r] = inverse[2, 0] * x + inverse[2, 1] * y + inverse[2, 2] * z
 
 
 @numba.njit(cache=True, error_model="numpy")
@@ -142,8 +165,8 @@ def scatter(starts: Any, point: Any, white: Any, dense: Any) -> None:
     for i in range(starts.size - 1):
         for k in range(starts[i], starts[i + 1]):
             for j in range(3):
-                for l in range(6):
-                    dense[3 * point[k] + j, 6 * i + l] = white[k, j, l]
+                for r in range(6):
+                    dense[3 * point[k] + j, 6 * i + r] = white[k, j, r]
 
 
 @numba.njit(cache=True, error_model="numpy", fastmath={"contract"})
@@ -162,8 +185,8 @@ def reduce_band(
             ia = place[image[a]]
             for j in range(6):
                 w0, w1, w2 = white[a, 0, j], white[a, 1, j], white[a, 2, j]
-                for l in range(border.shape[1]):
-                    border[6 * ia + j, l] -= w0 * white_a[p, 0, l] + w1 * white_a[p, 1, l] + w2 * white_a[p, 2, l]
+                for r in range(border.shape[1]):
+                    border[6 * ia + j, r] -= w0 * white_a[p, 0, r] + w1 * white_a[p, 1, r] + w2 * white_a[p, 2, r]
             for kb in range(ray_starts[p], ray_starts[p + 1]):
                 b = rays[kb]
                 ib = place[image[b]]
@@ -172,6 +195,6 @@ def reduce_band(
                 for j in range(6):
                     column = 6 * ia + j
                     w0, w1, w2 = white[a, 0, j], white[a, 1, j], white[a, 2, j]
-                    for l in range(j if ib == ia else 0, 6):
-                        row = 6 * ib + l
-                        band[column, row - column] -= w0 * white[b, 0, l] + w1 * white[b, 1, l] + w2 * white[b, 2, l]
+                    for r in range(j if ib == ia else 0, 6):
+                        row = 6 * ib + r
+                        band[column, row - column] -= w0 * white[b, 0, r] + w1 * white[b, 1, r] + w2 * white[b, 2, r]

@@ -27,19 +27,9 @@ DENSE_MOST = 1500
 
 
 @dataclass(frozen=True, eq=False)
-class CompiledNormals:
-    """Assembled normal equations of m images, k observations, n points, A additional parameters.
+class Gradient:
+    """The gradients e (6m + A) and p (n, 3), vPv, and the least depth, m."""
 
-    ee (m, 6, 6) lower triangles, ea (m, 6, A), aa (A, A), pe (k, 3, 6), pa (n, 3, A), pp (n, 3, 3), the gradients
-    e (6m + A) and p (n, 3), and vPv; depth: the least depth of a point before a camera, m.
-    """
-
-    ee: Floats
-    ea: Floats
-    aa: Floats
-    pe: Floats
-    pa: Floats
-    pp: Floats
     gradient_e: Floats
     gradient_p: Floats
     vpv: float
@@ -51,8 +41,23 @@ class CompiledNormals:
 
 
 @dataclass(frozen=True, eq=False)
-class Assembly:
-    """What stays the same from one iteration to the next."""
+class CompiledNormals(Gradient):
+    """Assembled normal equations of m images, k observations, n points, A additional parameters.
+
+    ee (m, 6, 6) lower triangles, ea (m, 6, A), aa (A, A), pe (k, 3, 6), pa (n, 3, A), pp (n, 3, 3).
+    """
+
+    ee: Floats
+    ea: Floats
+    aa: Floats
+    pe: Floats
+    pa: Floats
+    pp: Floats
+
+
+@dataclass(frozen=True, eq=False)
+class Compiled:
+    """The compiled arithmetic for adjust.solve; it keeps what stays the same from one iteration to the next."""
 
     observations: Observations
 
@@ -72,7 +77,7 @@ class Assembly:
         aa = np.zeros((u.orientation - images, u.orientation - images))
         for number, s in enumerate(u.sets):
             rows = u.image_set[g.image] == number
-            basis = g.basis[rows, :, : len(s.model.parameters)].reshape(-1, len(s.model.parameters))
+            basis = g.basis[rows, :, : len(s.model.parameters)].reshape(2 * int(rows.sum()), -1)
             at = slice(s.columns.start - images, s.columns.stop - images)
             aa[at, at] = (basis * g.weight[rows].reshape(-1, 1)).T @ basis
         return aa
@@ -92,37 +97,57 @@ class Assembly:
     def at(self, x: Floats) -> CompiledNormals:
         """The normal equations of all groups at x."""
         g = self.observations.image_points
-        u = g.unknowns
         m, k, n, a = self.widths
-        exterior = np.ascontiguousarray(u.exterior(x))
-        v = np.einsum("kij,kj->ki", g.basis, g.ap_values(x)[g.image])
-        by_exterior, by_point = np.empty((k, 2, 6)), np.empty((k, 2, 3))
-        rotation = rotation_matrices(exterior[:, 3:])
-        points = np.ascontiguousarray(u.points(x))
-        depth = loops.linearise(
-            exterior, rotation, g.interior, points, g.starts, g.point, g.xy, v, by_exterior, by_point
-        )
-        ee, ea, pe, pa, pp = np.zeros((m, 6, 6)), np.zeros((m, 6, a)), np.empty((k, 3, 6)), np.zeros((n, 3, a)), None
+        v, by_exterior, by_point, depth = self._linearised(x)
+        ee, ea, pe, pa = np.zeros((m, 6, 6)), np.zeros((m, 6, a)), np.empty((k, 3, 6)), np.zeros((n, 3, a))
         pp, gradient_e, gradient_p = np.zeros((n, 3, 3)), np.zeros(6 * m + a), np.zeros((n, 3))
         vpv = loops.accumulate(
             g.starts, g.point, g.weight, self.free, self.first, v, by_exterior, by_point, g.basis,
             ee, ea, pe, pa, pp, gradient_e[: 6 * m].reshape(m, 6), gradient_e[6 * m :], gradient_p,
         )  # fmt: skip
         vpv += self._add_control(x, pp, gradient_p)
-        return CompiledNormals(ee, ea, self.aa, pe, pa, pp, gradient_e, gradient_p, vpv, depth)
+        return CompiledNormals(gradient_e, gradient_p, vpv, depth, ee, ea, self.aa, pe, pa, pp)
 
-    def _add_control(self, x: Floats, pp: Floats, gradient_p: Floats) -> float:
+    def gradient(self, x: Floats) -> Gradient:
+        """The gradients, vPv and the least depth at x."""
+        g = self.observations.image_points
+        m, _, n, a = self.widths
+        v, by_exterior, by_point, depth = self._linearised(x)
+        gradient_e, gradient_p = np.zeros(6 * m + a), np.zeros((n, 3))
+        vpv = loops.gradient(
+            g.starts, g.point, g.weight, self.free, self.first, v, by_exterior, by_point, g.basis,
+            gradient_e[: 6 * m].reshape(m, 6), gradient_e[6 * m :], gradient_p,
+        )  # fmt: skip
+        vpv += self._add_control(x, None, gradient_p)
+        return Gradient(gradient_e, gradient_p, vpv, depth)
+
+    def _linearised(self, x: Floats) -> tuple[Floats, Floats, Floats, float]:
+        g = self.observations.image_points
+        u = g.unknowns
+        exterior = np.ascontiguousarray(u.exterior(x))
+        v = (g.basis @ g.ap_values(x)[g.image][:, :, None])[:, :, 0]
+        by_exterior, by_point = np.empty((len(v), 2, 6)), np.empty((len(v), 2, 3))
+        rotation = rotation_matrices(exterior[:, 3:])
+        points = np.ascontiguousarray(u.points(x))
+        depth = loops.linearise(
+            exterior, rotation, g.interior, points, g.starts, g.point, g.xy, v, by_exterior, by_point
+        )
+        return v, by_exterior, by_point, depth
+
+    def _add_control(self, x: Floats, pp: Floats | None, gradient_p: Floats) -> float:
+        """The weighted and the fixed control; returns the vPv of the former."""
         u = self.observations.image_points.unknowns
         control = self.observations.control
         at_point, axis = np.divmod(control.columns - u.orientation, 3)
         v = control.residuals(x)
-        pp[at_point, axis, axis] += control.weight
         gradient_p[at_point, axis] += control.weight * v
-        fixed_point, fixed_axis = np.nonzero(u.block.points.fixed)
-        pp[fixed_point, fixed_axis, fixed_axis] = 1.0
+        if pp is not None:
+            pp[at_point, axis, axis] += control.weight
+            fixed_point, fixed_axis = np.nonzero(u.block.points.fixed)
+            pp[fixed_point, fixed_axis, fixed_axis] = 1.0
         return float(np.sum(control.weight * v**2))
 
-    def factorise(self, normals: CompiledNormals) -> Factor | BandFactor:
+    def factorise(self, normals: CompiledNormals, condition_least: float = CONDITION_LEAST) -> Factor | BandFactor:
         """Eliminate the points and factorise. Raises SingularError."""
         g = self.observations.image_points
         size = g.unknowns.orientation
@@ -136,14 +161,16 @@ class Assembly:
         loops.whiten(g.point, root, normals.pe, white)
         white_a = root @ normals.pa
         if size <= DENSE_MOST or not self.ordering.narrow:
-            return self._dense(normals, root, white, white_a)
+            return self._dense(normals, root, white, white_a, condition_least)
         return banded(normals, self.ordering, g, root, white, white_a)
 
     @cached_property
     def ordering(self) -> Ordering:
         return Ordering.of(self.observations)
 
-    def _dense(self, normals: CompiledNormals, root: Floats, white: Floats, white_a: Floats) -> Factor:
+    def _dense(
+        self, normals: CompiledNormals, root: Floats, white: Floats, white_a: Floats, condition_least: float
+    ) -> Factor:
         g = self.observations.image_points
         m, _, n, _ = self.widths
         size = g.unknowns.orientation
@@ -163,7 +190,7 @@ class Assembly:
         reduced *= scale
         reduced *= scale[:, None]
         lower, info = scipy.linalg.lapack.dpotrf(reduced, lower=1, clean=1)
-        if info != 0 or reciprocal_condition(lower, reduced) < CONDITION_LEAST:
+        if info != 0 or reciprocal_condition(lower, reduced) < condition_least:
             full = np.tril(reduced) + np.tril(reduced, -1).T
             raise SingularError(full, scale, slice(0, size))
         return Factor(scale, lower, root, dense.reshape(n, 3, size))

@@ -26,6 +26,8 @@ class ImagePointJacobian:
     v: Floats
     by_orientation: Floats
     by_point: Floats
+    depth: Floats
+    """(k) the depths of the points before their cameras, m"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,6 +97,7 @@ class ImagePoints:
             self._distorted(at.xy, x),
             np.concatenate([at.by_exterior, self.basis], axis=2),
             at.by_point * self.free,
+            at.depth,
         )
 
 
@@ -143,7 +146,8 @@ class Observations:
     @property
     def magnitude(self) -> float:
         """The norm of the observations in units of their standard deviations: what rounding errors are relative to."""
-        return float(np.sqrt(np.sum(self.image_points.weight * self.image_points.xy**2) + 1.0))
+        points, control = self.image_points, self.control
+        return float(np.sqrt(np.sum(points.weight * points.xy**2) + np.sum(control.weight * control.given**2) + 1.0))
 
 
 def _basis(unknowns: Unknowns, image: Indices, xy: Floats) -> Floats:

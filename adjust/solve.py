@@ -1,90 +1,121 @@
 """Gauss-Newton iteration with step control, and the rule by which it ends.
 
-The length of a step, d = (dx^T N dx)^(1/2), bounds the change of every unknown in units of its own standard deviation
-(Cauchy-Schwarz; standard deviations for sigma0 = 1). The iteration has converged when d <= STEP_ENOUGH, or when d has
-come down to what rounding of the observations alone can cause. The last step is still applied, so what is left is
-smaller by another factor of contraction.
+The length of a step, d = (g^T N^-1 g)^(1/2), bounds the change of every unknown in units of its own standard deviation
+(Cauchy-Schwarz; standard deviations for sigma0 = 1). Full steps, with new normal equations, are taken until a step is
+shorter than CHORD_BELOW; from there the last factorisation serves on, with new gradients only (chord steps), as long as
+it contracts. The iteration has converged when the error left after a step, bounded by the step and the contraction
+observed, d q / (1 - q) with q = d / d_before, is at most ERROR_LEFT, or when d has come down to what rounding of the
+observations alone can cause.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any, Protocol
 
 import numpy as np
 
-from adjust.normals import Factor, Normals, SingularError, assemble, factorise
+from adjust.normals import SingularError
 from adjust.observations import Observations
-from adjust.rank_defect import explain, hardly_separable
+from adjust.rank_defect import explain
 from adjust.status import CHECK_START, Status
 from simfield.block import Floats
 
-STEP_ENOUGH = 1e-8
+ERROR_LEFT = 1e-9
+CHORD_BELOW = 30.0
+CONTRACTION_MOST = 0.1
+"""a chord step that contracts less asks for new normal equations"""
 ROUNDING = 16 * np.finfo(float).eps
 ITERATIONS_MOST = 50
+NEARLY_SINGULAR = 1e-8
+"""reciprocal condition at which an iteration that does not converge is laid to the normal equations"""
 HALVINGS_MOST = 12
+
+
+class Arithmetic(Protocol):
+    """How normal equations are made and factorised: adjust.normals.Plain or adjust.compiled_normals.Compiled."""
+
+    def at(self, x: Floats) -> Any:
+        """The normal equations at x, with `finite`, `vpv` and `depth`."""
+
+    def gradient(self, x: Floats) -> Any:
+        """As `at`, but only the gradients, `vpv` and `depth` are needed."""
+
+    def factorise(self, normals: Any, condition_least: float = ...) -> Any:
+        """Raises SingularError where the reciprocal condition is less."""
 
 
 @dataclass(frozen=True, eq=False)
 class Solution:
-    """Where the iteration ended: x, the normal equations there (None where none could be solved), and how."""
+    """Where the iteration ended: x, how, and after how many steps."""
 
     x: Floats
-    normals: Normals | None
-    factor: Factor | None
     status: Status
     detail: str
     iterations: int
 
 
-def solve(observations: Observations, start: Floats) -> Solution:
+def solve(observations: Observations, start: Floats, arithmetic: Arithmetic) -> Solution:
     """Minimise vPv from `start`."""
     behind = points_behind(observations, start)
     if behind:
-        return Solution(start, None, None, Status.BEHIND_CAMERA, behind, 0)
-    enough = max(STEP_ENOUGH, ROUNDING * observations.magnitude)
-    x, length = start, float("inf")
-    normals: Normals | None = None
+        return Solution(start, Status.BEHIND_CAMERA, behind, 0)
+    rounding = ROUNDING * observations.magnitude
+    x, normals, factor = start, arithmetic.at(start), None
+    chord, length = False, np.inf
     for iteration in range(1, ITERATIONS_MOST + 1):
-        normals = assemble(observations, x)
         if not normals.finite:
-            return Solution(x, normals, None, Status.NOT_FINITE, _not_finite(observations, iteration), iteration)
+            return Solution(x, Status.NOT_FINITE, _not_finite(observations, iteration), iteration)
         try:
-            factor = factorise(normals)
+            factor = factor if chord else arithmetic.factorise(normals)
         except SingularError as error:
-            detail = explain(error, observations, x) + (
-                f" (not so at the start; {CHECK_START})" if iteration > 1 else ""
-            )
-            return Solution(x, normals, None, Status.SINGULAR, detail, iteration)
+            return Solution(x, Status.SINGULAR, explain(error, observations, x), iteration)
+        before = length
         step, length = factor.step(normals)
         if not np.isfinite(length):
-            return Solution(x, normals, None, Status.NOT_FINITE, _not_finite(observations, iteration), iteration)
-        if length <= enough:
-            return Solution(x + step, normals, factor, Status.CONVERGED, "", iteration)
-        shorter = _shorten(observations, x, step, normals.vpv, length)
-        if shorter is None:
-            return Solution(x, normals, None, *_stuck(observations, x + step, length, factor), iteration)
-        x = shorter
+            return Solution(x, Status.NOT_FINITE, _not_finite(observations, iteration), iteration)
+        contraction = min(length / before, 0.5) if np.isfinite(before) else 0.5
+        if length <= rounding or length * contraction / (1.0 - contraction) <= ERROR_LEFT:
+            return Solution(x + step, Status.CONVERGED, "", iteration)
+        chord = length < CHORD_BELOW and (not chord or length < CONTRACTION_MOST * before)
+        advanced = _advance(arithmetic, x, step, normals.vpv * (1.0 + 1e-12) + 1e-6 * length**2, chord)
+        if advanced is None:
+            return _given_up(observations, x, _stuck(observations, x + step, length), iteration, arithmetic)
+        x, normals, chord = advanced
     detail = f"after {ITERATIONS_MOST} iterations the last step was {length:.2g} standard deviations"
-    detail += hardly_separable(factor, observations)
-    return Solution(x, normals, None, Status.NOT_CONVERGED, detail, ITERATIONS_MOST)
+    return _given_up(observations, x, (Status.NOT_CONVERGED, detail), ITERATIONS_MOST, arithmetic)
 
 
-def _shorten(observations: Observations, x: Floats, step: Floats, vpv: float, length: float) -> Floats | None:
-    """x plus the longest of step, step/2, step/4, ... that lowers vPv; None if none does."""
-    slack = 1e-12 * vpv + length**2 * 1e-6
+def _advance(
+    arithmetic: Arithmetic, x: Floats, step: Floats, most: float, chord: bool
+) -> tuple[Floats, Any, bool] | None:
+    """x plus the longest of step, step/2, step/4, ... whose vPv is at most `most`, with what is needed there next."""
     for halving in range(HALVINGS_MOST + 1):
         there = x + step * 0.5**halving
-        if observations.cost(there) <= vpv + slack:
-            return there
+        chord = chord and halving == 0
+        normals = arithmetic.gradient(there) if chord else arithmetic.at(there)
+        if normals.depth > 0.0 and normals.vpv <= most:
+            return there, normals, chord
     return None
 
 
-def _stuck(observations: Observations, x: Floats, length: float, factor: Factor) -> tuple[Status, str]:
+def _given_up(
+    observations: Observations, x: Floats, end: tuple[Status, str], iteration: int, arithmetic: Arithmetic
+) -> Solution:
+    """An iteration that leads nowhere: where the normal equations are nearly singular there, that is the reason."""
+    if end[0] is Status.NOT_CONVERGED:
+        try:
+            arithmetic.factorise(arithmetic.at(x), NEARLY_SINGULAR)
+        except SingularError as error:
+            return Solution(x, Status.SINGULAR, explain(error, observations, x), iteration)
+    return Solution(x, *end, iteration)
+
+
+def _stuck(observations: Observations, x: Floats, length: float) -> tuple[Status, str]:
     behind = points_behind(observations, x)
     if behind:
         return Status.BEHIND_CAMERA, behind
-    detail = f"no step lowers vPv; the last was {length:.2g} standard deviations long"
-    return Status.NOT_CONVERGED, detail + hardly_separable(factor, observations)
+    return Status.NOT_CONVERGED, f"no step lowers vPv; the last was {length:.2g} standard deviations long"
 
 
 def _not_finite(observations: Observations, iteration: int) -> str:

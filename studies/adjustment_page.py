@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from adjust import Adjustment, Estimates
+from adjust import Adjustment
 from adjust.adjustment import correlations
 from adjust.unknowns import EXTERIOR_NAMES
 from simfield.block import COORDINATES, EXTERIOR, Floats
@@ -18,6 +18,9 @@ STRONG = 0.95
 """correlations above this, in absolute value, are listed"""
 PAIRS_MOST = 1000
 """of more pairs the strongest are listed, and the number of the others is said"""
+
+DEGREES = np.array([1.0, 1.0, 1.0, *([180.0 / np.pi] * 3)])
+"""the units of an exterior orientation in a page: metres and degrees"""
 
 Record = dict[str, Any]
 
@@ -39,8 +42,8 @@ def record(a: Adjustment) -> Record:
         "message": a.message,
         "iterations": a.iterations,
         "ap": {camera: _values(a, e.names, e.values, e.std) for camera, e in a.ap.items()},
-        "images": _table(a, _in_degrees(a.images), EXTERIOR),
-        "points": _table(a, a.points, COORDINATES),
+        "images": _table(a, a.images.ids, EXTERIOR, a.images.values * DEGREES, a.images.std * DEGREES),
+        "points": _table(a, a.points.ids, COORDINATES, a.points.values, a.points.std),
         "check": {
             "n": check.n,
             "rms_x_m": _estimate(a, check.rms_x_m),
@@ -81,14 +84,13 @@ def _head(a: Adjustment) -> Iterator[str]:
 
 
 def _orientation_lines(a: Adjustment) -> Iterator[str]:
-    images = _in_degrees(a.images)
-    width = max(len("image"), *(len(name) for name in images.ids))
+    width = max(len("image"), *(len(name) for name in a.images.ids))
     columns = [14, 14, 12, 12, 12, 12]
     yield "Exterior orientation, below each its standard deviation (m, degrees)"
     header = (name.rsplit("_", 1)[0] for name in EXTERIOR)
     yield f"{'image':<{width}}" + "".join(f"{name:>{w}}" for name, w in zip(header, columns, strict=True))
     digits = [3, 3, 3, 6, 6, 6]
-    for name, values, std in zip(images.ids, images.values, images.std, strict=True):
+    for name, values, std in zip(a.images.ids, a.images.values * DEGREES, a.images.std * DEGREES, strict=True):
         for label, row in ((name, values), ("", std)):
             cells = (f"{v:>{w}.{d}f}" for v, w, d in zip(row, columns, digits, strict=True))
             yield f"{label:<{width}}" + "".join(cells)
@@ -132,13 +134,8 @@ def _orientation_names(a: Adjustment) -> list[dict[str, str]]:
     return images + sets
 
 
-def _in_degrees(images: Estimates) -> Estimates:
-    unit = np.where(np.arange(6) < 3, 1.0, 180.0 / np.pi)
-    return Estimates(images.ids, images.names, images.values * unit, images.std * unit)
-
-
-def _table(a: Adjustment, e: Estimates, names: Sequence[str]) -> Record:
-    return {owner: _values(a, names, values, std) for owner, values, std in zip(e.ids, e.values, e.std, strict=True)}
+def _table(a: Adjustment, ids: Sequence[str], names: Sequence[str], values: Floats, std: Floats) -> Record:
+    return {owner: _values(a, names, *both) for owner, *both in zip(ids, values, std, strict=True)}
 
 
 def _values(a: Adjustment, names: Iterable[str], values: Floats, std: Floats) -> Record:

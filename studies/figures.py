@@ -38,7 +38,7 @@ def radial_curve(axes: Axes, curve: RadialCurve, others: Mapping[str, RadialCurv
     """
     low, high = curve.estimated_um - curve.std_um, curve.estimated_um + curve.std_um
     axes.fill_between(curve.r_mm, low, high, color=BLUE, alpha=0.25, linewidth=0, label="± its standard deviation")
-    axes.plot(curve.r_mm, curve.estimated_um, color=BLUE, label="from the additional parameters")
+    axes.plot(curve.r_mm, curve.estimated_um, color=BLUE, label="from additional parameters")
     axes.plot(curve.r_mm, curve.true_um, color=BLACK, linestyle=(0, (4, 2)), label="true")
     for (label, other), colour, dash in zip(others.items(), (VERMILION, GREEN), DASHES[1:], strict=False):
         axes.plot(other.r_mm, other.estimated_um, color=colour, linestyle=dash, linewidth=1.0, label=label)

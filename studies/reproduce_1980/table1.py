@@ -7,11 +7,9 @@ from collections.abc import Sequence
 import numpy as np
 import pandas as pd
 
-from simfield.block import Block
-from simfield.truth import Truth
 from studies import published
-from studies.reproduce_1980.experiment import ReproductionError, Row, adjusted, sub_block
-from studies.reproduce_1980.trials import MEASURES
+from studies.reproduce_1980.experiment import ReproductionError, Row
+from studies.reproduce_1980.trials import COUNTS, MEASURES
 from studies.tables import DASH, markdown
 
 FORMATS = {"m0_um": ".1f"} | {
@@ -23,28 +21,22 @@ RANGE = (2.5, 97.5)
 """percentiles between which 95 % of the trials lie"""
 
 
-def table1(block: Block, truth: Truth, rows: Sequence[Row], trials: pd.DataFrame) -> pd.DataFrame:
+def table1(rows: Sequence[Row], trials: pd.DataFrame) -> pd.DataFrame:
     """The published table with the simulated figures behind it.
 
     A simulated figure is the mean over the trials of each trial's own rms (not the rms of all trials together: the
     paper reports one flight); _mcse is the standard error of this mean, _lo and _hi enclose 95 % of the trials. n
     trials entered, `failures` did not. Raises ReproductionError where all trials of a row failed.
     """
-    counts = [_counts(block, truth, row) for row in rows]
     simulated = [_summary(row, trials[trials["row"] == number]) for number, row in enumerate(rows)]
-    return pd.concat([published.mauelshagen_table1(), pd.DataFrame(counts), pd.DataFrame(simulated)], axis=1)
-
-
-def _counts(block: Block, truth: Truth, row: Row) -> dict[str, int]:
-    a = adjusted(sub_block(block, truth, row.block, row.aux_points), row.model)
-    return {"sim_unknowns": a.unknowns, "sim_redundancy": a.redundancy}
+    return pd.concat([published.mauelshagen_table1(), pd.DataFrame(simulated)], axis=1)
 
 
 def _summary(row: Row, trials: pd.DataFrame) -> dict[str, float]:
     done = trials[trials["failure"] == ""]
     if done.empty:
         raise ReproductionError(f"all {len(trials)} trials failed ({row}): {trials['failure'].iloc[0]}")
-    summary: dict[str, float] = {}
+    summary: dict[str, float] = {f"sim_{name}": int(done[name].iloc[0]) for name in COUNTS}
     for name in MEASURES:
         values = done[name].to_numpy(float)
         lo, hi = np.percentile(values, RANGE)

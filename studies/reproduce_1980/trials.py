@@ -19,13 +19,14 @@ from studies.measures import geodetic_deviations
 from studies.reproduce_1980.experiment import Row, sub_block
 
 TRIALS_A_TASK = 4
+COUNTS = ("unknowns", "redundancy")
 MEASURES = ("m0_um", "mu_xy_mm", "mu_xy_coordinate_mm", "mu_z_mm")
 
 
 def run_trials(
     world: World, rows: Sequence[Row], trials: int, jobs: int | None, report: Callable[[int], Any]
 ) -> pd.DataFrame:
-    """One line for each trial and row: trial, row (a number), the MEASURES, and failure, empty if there was none.
+    """One line for each trial and row: trial, row (a number), COUNTS, MEASURES, and failure, empty if there was none.
 
     jobs None takes a process for each processor; `report` is told how many trials have been finished since it was last.
     """
@@ -50,7 +51,8 @@ def _run_trial(world: World, rows: Sequence[Row], trial: int) -> list[dict[str, 
     records = []
     for number, row in enumerate(rows):
         a = adjust_block(parts[row.block, row.aux_points], ap_models.get(row.model))
-        record: dict[str, Any] = {"trial": trial, "row": number, **dict.fromkeys(MEASURES, float("nan"))}
+        record: dict[str, Any] = {"trial": trial, "row": number, "unknowns": a.unknowns, "redundancy": a.redundancy}
+        record |= dict.fromkeys(MEASURES, float("nan"))
         if a.status.ok:
             found = geodetic_deviations(a)
             metres = (found.rms_xy_m, found.rms_xy_coordinate_m, found.rms_z_m)

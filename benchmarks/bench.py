@@ -1,0 +1,283 @@
+"""This engine beside scipy, GTSAM and Ceres: `python -m benchmarks.bench`, or `make bench`.
+
+README.md says what is measured. Results on stdout, ratios first; progress on stderr; everything measured as JSON.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import subprocess
+import sys
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from threadpoolctl import threadpool_limits
+
+from benchmarks import machine
+from benchmarks.flops import BROWN14 as BROWN14_COUNT
+from benchmarks.flops import TrialFlops
+from benchmarks.growing import SIZES
+from benchmarks.ours import AdjustBlock, AdjustReplicates
+from benchmarks.problem import BROWN14, IDEAL4, NONE, Problem, Solver
+from benchmarks.separate import apart
+from benchmarks.timing import interleaved, summary
+
+LATEST = Path(__file__).parent / "latest.json"
+AGREEMENT = 1e-8
+"""largest relative difference of the costs of solvers that state the same problem"""
+PEERS = ("scipy", "gtsam", "ceres")
+PACKAGE = {"scipy": "scipy", "gtsam": "gtsam", "ceres": "pycolmap"}
+CALLS_OF_THE_FAST = 3
+
+
+def main(arguments: list[str] | None = None) -> int:
+    options = _options(arguments)
+    with threadpool_limits(1):
+        results = measure(options)
+    print(report(results))
+    if options.output is not None:
+        options.output.write_text(json.dumps(results, indent=1) + "\n", encoding="utf-8")
+        _say(f"written: {options.output}")
+    return 0 if results["agree"] else 1
+
+
+def _options(arguments: list[str] | None) -> argparse.Namespace:
+    parser = argparse.ArgumentParser(prog="python -m benchmarks.bench", description=__doc__)
+    parser.add_argument("--quick", action="store_true", help="some seconds: two rounds, few trials, one block size")
+    parser.add_argument("--peers", nargs="*", default=list(PEERS), metavar="PEER", help="of scipy, gtsam and ceres")
+    parser.add_argument("--rounds", type=int, help="interleaved repetitions (7; quick 2)")
+    parser.add_argument("--trials", type=int, help="of adjust_replicates in a repetition (10000; quick 64)")
+    parser.add_argument("--most-images", type=int, help="of the scaling (2500; quick 39)")
+    parser.add_argument("--output", type=Path, help="the JSON file (benchmarks/latest.json; quick: none)")
+    options = parser.parse_args(arguments)
+    if unknown := sorted(set(options.peers) - set(PEERS)):
+        parser.error(f"no peer named {unknown[0]!r}, there are {', '.join(PEERS)}")
+    full = {"rounds": 7, "trials": 10_000, "most_images": max(SIZES), "output": LATEST}
+    quick = {"rounds": 2, "trials": 64, "most_images": min(SIZES), "output": None}
+    for name, value in (quick if options.quick else full).items():
+        if getattr(options, name) is None:
+            setattr(options, name, value)
+    return options
+
+
+def measure(options: argparse.Namespace) -> dict[str, Any]:
+    """Everything that is measured, with the ratios at the top."""
+    problem = Problem.of()
+    solvers = build_solvers(problem, options.peers, options.trials)
+    _say("first calls, which may compile")
+    _first_calls(problem, solvers)
+    peak: list[float] = []
+
+    def each_round(number: int) -> None:
+        _say(f"round {number + 1} of {options.rounds}")
+        peak.extend(machine.dgemm_gflops(repetitions=3))
+
+    calls = {name: CALLS_OF_THE_FAST for name in solvers if name.startswith(("ceres", "adjust_block"))}
+    seconds = interleaved(solvers, options.rounds, calls, each_round)
+    per = {name: options.trials if name.startswith("adjust_replicates") else 1 for name in solvers}
+    times = {name: summary(s, per[name]) for name, s in seconds.items()}
+    _say("agreement of the minima")
+    agreement = agree(problem, solvers)
+    flops = flop_limit(problem, solvers, times, float(np.median(peak)))
+    scaling = measure_scaling(options.most_images, seconds=1.0 if options.quick else 20.0)
+    memory = None if options.quick else _memory(options.trials)
+    return {
+        **ratios(times),
+        "share_of_flop_limit": flops["share"],
+        "scaling_exponent": scaling["exponent"],
+        "agree": agreement["agree"],
+        "quick": options.quick,
+        "date": datetime.now(UTC).strftime("%Y-%m-%d"),
+        "machine": machine.description(),
+        "peak": {"dgemm_gflops_median": float(np.median(peak)), "dgemm_gflops_best": max(peak), "all": peak},
+        "times": {name: {**times[name], "note": getattr(solvers[name], "note", "")} for name in solvers},
+        "agreement": agreement,
+        "flops": flops,
+        "scaling": scaling,
+        "memory": memory,
+    }
+
+
+def build_solvers(problem: Problem, peers: list[str], trials: int) -> dict[str, Solver]:
+    """The solvers by name, "solver form [variant]"; peers that are not installed are left out."""
+    solvers: dict[str, Solver] = {}
+    for peer in peers:
+        if machine.installed(PACKAGE[peer]) is None:
+            _say(f"{PACKAGE[peer]} is not installed: {peer} is left out")
+            continue
+        solvers |= {"scipy": _scipy, "gtsam": _gtsam, "ceres": _ceres}[peer](problem)
+    return solvers | {
+        "adjust_block none": AdjustBlock(problem, NONE),
+        "adjust_block brown14": AdjustBlock(problem, BROWN14),
+        "adjust_block brown14 with std": AdjustBlock(problem, BROWN14, with_std=True),
+        "adjust_replicates none": AdjustReplicates(problem, NONE, trials),
+        "adjust_replicates brown14": AdjustReplicates(problem, BROWN14, trials),
+    }
+
+
+def _scipy(problem: Problem) -> dict[str, Solver]:
+    from benchmarks.peers_scipy import Scipy
+
+    return {"scipy none": Scipy(problem, NONE), "scipy brown14": Scipy(problem, BROWN14)}
+
+
+def _gtsam(problem: Problem) -> dict[str, Solver]:
+    from benchmarks.peers_gtsam import Gtsam
+
+    return {"gtsam none": Gtsam(problem, NONE), "gtsam ideal4": Gtsam(problem, IDEAL4)}
+
+
+def _ceres(problem: Problem) -> dict[str, Solver]:
+    from benchmarks.peers_ceres import Ceres, CeresWarm, CeresWritten
+
+    return {
+        "ceres none": Ceres(problem, NONE),
+        "ceres none loose": Ceres(problem, NONE, "loose"),
+        "ceres ideal4": Ceres(problem, IDEAL4),
+        "ceres ideal4 loose": Ceres(problem, IDEAL4, "loose"),
+        "ceres ideal4 warm": CeresWarm(problem, IDEAL4),
+        "ceres ideal4 written": CeresWritten(problem, IDEAL4),
+    }
+
+
+def _first_calls(problem: Problem, solvers: dict[str, Solver]) -> None:
+    for solver in solvers.values():
+        first = AdjustReplicates(problem, solver.form, 32) if isinstance(solver, AdjustReplicates) else solver
+        first.prepare(0)
+        first.solve()
+
+
+def agree(problem: Problem, solvers: dict[str, Solver]) -> dict[str, Any]:
+    """vPv of every solver's answer to trial 0, by one function for all, and how far it lies above the least of its form."""
+    cost: dict[str, dict[str, float]] = {}
+    for name, solver in solvers.items():
+        solver.prepare(0)
+        if not isinstance(solver, AdjustReplicates):  # which have solved trial 0 in every round
+            solver.solve()
+        cost.setdefault(solver.form, {})[name] = problem.cost(solver.answer(), solver.form, trial=0)
+    forms = {}
+    for form, of_solver in cost.items():
+        least = min(of_solver.values())
+        forms[form] = {
+            "unknowns": problem.unknowns(form),
+            "cost": of_solver,
+            "relative_difference": {name: value / least - 1.0 for name, value in of_solver.items()},
+        }
+    largest = max(max(f["relative_difference"].values()) for f in forms.values())
+    return {"agree": bool(largest <= AGREEMENT), "tolerance": AGREEMENT, "largest": largest, "forms": forms}
+
+
+def ratios(times: dict[str, dict[str, Any]]) -> dict[str, float | None]:
+    """How many times faster, by medians; None where a peer was left out."""
+
+    def over(slow: str, fast: str) -> float | None:
+        return times[slow]["median_ms"] / times[fast]["median_ms"] if slow in times else None
+
+    replicates, block = "adjust_replicates brown14", "adjust_block brown14"
+    return {
+        "replicates_over_ceres": over("ceres ideal4", replicates),
+        "adjust_over_ceres": over("ceres ideal4", block),
+        "adjust_with_std_over_ceres": over("ceres ideal4", f"{block} with std"),
+        "replicates_over_ceres_with_writing": over("ceres ideal4 written", replicates),
+        "replicates_over_ceres_warm": over("ceres ideal4 warm", replicates),
+        "replicates_over_ceres_loose": over("ceres ideal4 loose", replicates),
+        "replicates_over_ceres_both_none": over("ceres none", "adjust_replicates none"),
+        "adjust_over_ceres_loose": over("ceres ideal4 loose", block),
+        "adjust_over_ceres_both_none": over("ceres none", "adjust_block none"),
+        "replicates_over_gtsam": over("gtsam ideal4", replicates),
+        "adjust_over_gtsam": over("gtsam ideal4", block),
+        "replicates_over_scipy": over("scipy brown14", replicates),
+        "adjust_over_scipy": over("scipy brown14", block),
+    }
+
+
+def flop_limit(
+    problem: Problem, solvers: dict[str, Solver], times: dict[str, dict[str, Any]], peak_gflops: float
+) -> dict[str, Any]:
+    """The share of the measured peak that adjust_replicates reaches, and the operations it is computed from."""
+    solver = solvers["adjust_replicates brown14"]
+    assert isinstance(solver, AdjustReplicates)
+    steps = float(solver.replicates.iterations.mean())
+    flops = TrialFlops.of(len(problem.block.observations), problem.unknowns(BROWN14), steps, BROWN14_COUNT)
+    limit_ms = flops.total / peak_gflops / 1e6
+    measured_ms = times["adjust_replicates brown14"]["median_ms"]
+    return {
+        "share": limit_ms / measured_ms,
+        "share_if_single_counts_full": (flops.total + flops.corrections) / peak_gflops / 1e6 / measured_ms,
+        "steps_per_trial": steps,
+        "mflop_per_trial": flops.total / 1e6,
+        "mflop": {name: value / 1e6 for name, value in vars(flops).items()},
+        "limit_ms": limit_ms,
+        "measured_ms": measured_ms,
+    }
+
+
+def measure_scaling(most_images: int, seconds: float) -> dict[str, Any]:
+    """adjust_block over the growing block, a process each; the exponent of a straight line through the logarithms."""
+    blocks, failed = [], {}
+    for images in (n for n in SIZES if n <= most_images):
+        _say(f"scaling: {images} images")
+        try:
+            blocks.append(apart("scaling", images, seconds))
+        except subprocess.CalledProcessError as error:
+            failed[images] = error.returncode
+            _say(f"{images} images could not be adjusted")
+    median = [float(np.median(b["seconds"])) for b in blocks]
+    exponent = None
+    if len(blocks) >= 2:
+        exponent = float(np.polyfit(np.log([b["images"] for b in blocks]), np.log(median), 1)[0])
+    return {
+        "exponent": exponent,
+        "blocks": [{"median_s": m, **b} for m, b in zip(median, blocks, strict=True)],
+        "failed": failed,
+    }
+
+
+def _memory(trials: int) -> dict[str, Any]:
+    _say(f"memory of {trials} trials")
+    return apart("memory", trials)
+
+
+def report(results: dict[str, Any]) -> str:
+    """What a person reads: ratios, agreement, times, limit, scaling."""
+    lines = ["times faster (medians of interleaved repetitions, one core)"]
+    lines += [f"  {name:36} {_number(results[name])}" for name in results if "_over_" in name]
+    lines += ["", f"cost of trial 0 (vPv) and relative distance from the least; agree: {results['agree']}"]
+    for form, found in results["agreement"]["forms"].items():
+        lines.append(f"  {form}, {found['unknowns']} unknowns")
+        for name, cost in found["cost"].items():
+            lines.append(f"    {name:32} {cost:.10f}   {found['relative_difference'][name]:.1e}")
+    lines += ["", f"{'ms':34} {'median':>10} {'least':>10}"]
+    for name, t in results["times"].items():
+        lines.append(f"  {name:32} {t['median_ms']:10.4f} {t['min_ms']:10.4f}   {t['note']}")
+    f, peak = results["flops"], results["peak"]["dgemm_gflops_median"]
+    lines += [
+        "",
+        f"share of the flop limit {f['share']:.1%}: {f['mflop_per_trial']:.2f} MFLOP at {peak:.1f} GFLOP/s (dgemm, one core)"
+        f" take {1000 * f['limit_ms']:.0f} us, measured {1000 * f['measured_ms']:.0f} us a trial",
+    ]
+    for b in results["scaling"]["blocks"]:
+        lines.append(
+            f"{b['images']:6} images  {b['unknowns']:7} unknowns  {b['median_s']:9.4f} s  {b['iterations']} steps"
+            f"  peak {b['peak_mb']:.0f} MB"
+        )
+    lines.append(f"time ~ images^{_number(results['scaling_exponent']).strip()}")
+    if results["memory"]:
+        m = results["memory"]
+        lines.append(f"{m['trials']} trials with results kept: {m['seconds']:.1f} s, peak {m['peak_mb']:.0f} MB")
+    return "\n".join(lines)
+
+
+def _number(value: float | None) -> str:
+    return "        -" if value is None else f"{value:9.2f}"
+
+
+def _say(text: str) -> None:
+    print(text, file=sys.stderr, flush=True)
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())

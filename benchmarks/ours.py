@@ -1,0 +1,82 @@
+"""This engine under the same measurement."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from adjust import Adjustment, adjust_block
+from adjust.replicates import Replicates, adjust_replicates
+from adjust.rotation import rotation_matrices
+from benchmarks.problem import Answer, Problem
+from simfield.block import Floats
+from simfield.simulate import World
+
+
+class AdjustBlock:
+    """Timed is adjust_block from the block to the estimates, start values included; with_std: and all their std."""
+
+    def __init__(self, problem: Problem, form: str, with_std: bool = False) -> None:
+        self.problem, self.form, self.with_std = problem, form, with_std
+        self.model = problem.model(form)
+
+    def prepare(self, trial: int) -> None:
+        self.block = self.problem.trial_block(trial)
+
+    def solve(self) -> None:
+        self.adjustment = adjust_block(self.block, self.model)
+        if self.with_std:
+            self.std = self.adjustment.std
+
+    def answer(self) -> Answer:
+        return answer_of(self.adjustment, self.adjustment.x)
+
+    @property
+    def note(self) -> str:
+        return f"{self.adjustment.iterations} steps, {self.adjustment.unknowns} unknowns"
+
+
+class DrawnTrials:
+    """Trials of a world that are drawn when a slice of them is asked for: drawing is part of the time measured."""
+
+    def __init__(self, world: World, count: int) -> None:
+        self.world, self.count = world, count
+
+    def __len__(self) -> int:
+        return self.count
+
+    def __getitem__(self, trials: slice, /) -> Floats:
+        return np.stack([self.world.image_points(trial) for trial in range(*trials.indices(self.count))])
+
+
+class AdjustReplicates:
+    """Timed is adjust_replicates over `count` trials in one process, with the nominal adjustment and the drawing."""
+
+    def __init__(self, problem: Problem, form: str, count: int) -> None:
+        self.problem, self.form, self.count, self.model = problem, form, count, problem.model(form)
+        self.trials = DrawnTrials(problem.world, count)
+
+    def prepare(self, trial: int) -> None:
+        self.trial = trial
+
+    def solve(self) -> None:
+        self.replicates: Replicates = adjust_replicates(self.problem.block, self.model, self.trials, jobs=1)
+
+    def answer(self) -> Answer:
+        return answer_of(self.replicates.nominal, self.replicates.trials.x[self.trial])
+
+    @property
+    def note(self) -> str:
+        r = self.replicates
+        steps, left = r.iterations.mean(), r.finished_by_gauss_newton
+        return f"{self.count} trials, {steps:.2f} steps a trial, {left} by Gauss-Newton"
+
+
+def answer_of(adjustment: Adjustment, x: Floats) -> Answer:
+    layout = adjustment.layout
+    exterior = layout.exterior(x)
+    return Answer(
+        rotation_matrices(exterior[:, 3:]),
+        exterior[:, :3],
+        layout.points(x),
+        np.array([x[s.columns] for s in layout.sets]),
+    )
