@@ -3,13 +3,16 @@ PYTHON ?= python3
 # pytest-xdist workers; 0 runs the tests in one process
 JOBS ?= auto
 PYTEST_ARGS ?=
+# arguments of the benchmark, such as --quick
+BENCH_ARGS ?=
 
 VENV := .venv
 BIN := $(VENV)/bin
 INSTALLED := $(VENV)/.installed
+PEERS := $(VENV)/.peers
 
 .DEFAULT_GOAL := help
-.PHONY: help install test test-fast check reproduce
+.PHONY: help install test test-fast check reproduce bench
 
 help: ## show this list
 	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/make \1\t\2/p' $(MAKEFILE_LIST) | expand -t 16
@@ -37,3 +40,11 @@ check: $(INSTALLED) ## ruff, formatting, types and the layers of the packages
 
 reproduce: $(INSTALLED) ## repeat the experiment of Mauelshagen 1980 into results/mauelshagen-1980
 	$(BIN)/simfield reproduce mauelshagen-1980
+
+# Other solvers are needed for comparison only.
+$(PEERS): $(INSTALLED)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[bench]'
+	@touch $@
+
+bench: $(PEERS) ## this engine beside scipy, GTSAM and Ceres; writes benchmarks/latest.json
+	$(BIN)/python -m benchmarks.bench $(BENCH_ARGS)

@@ -34,6 +34,8 @@ class BandFactor:
     white_a: Floats
     image: Indices
     point: Indices
+    condition: float
+    """the least squared pivot of the scaled matrix, at most its reciprocal condition times a small number"""
 
     def solve_orientation(self, right: Floats) -> Floats:
         """S^-1 right, (E) or (E, q), in the order of x."""
@@ -79,7 +81,7 @@ def banded(normals: Any, ordering: Any, image_points: Any, root: Floats, white: 
         for row in range(column, 6):
             columns[6 * place + column, row - column] = normals.ee[:, row, column]
     loops.reduce_band(ordering.ray_starts, ordering.rays, g.image, place, white, white_a, columns, border)
-    flat = white_a.reshape(-1, a)
+    flat = white_a.reshape(3 * len(white_a), a)
     corner = normals.aa - flat.T @ flat
     order = (6 * place[:, None] + np.arange(6)).ravel()
     diagonal = np.concatenate([np.einsum("mii->mi", normals.ee).ravel(), np.diag(normals.aa)])
@@ -102,4 +104,5 @@ def banded(normals: Any, ordering: Any, image_points: Any, root: Floats, white: 
     if info != 0 or (a and np.diag(left).min() ** 2 < CONDITION_LEAST):
         bad = 6 * m + (info - 1 if info > 0 else int(np.argmin(np.diag(left))))
         raise SingularError(np.zeros((1, 1)), scale[bad : bad + 1], slice(bad, bad + 1))
-    return BandFactor(scale, lower, solved, border, left, order, root, white, white_a, g.image, g.point)
+    condition = float(min(lower[0].min(), np.diag(left).min(initial=1.0)) ** 2)
+    return BandFactor(scale, lower, solved, border, left, order, root, white, white_a, g.image, g.point, condition)

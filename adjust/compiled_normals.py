@@ -190,10 +190,11 @@ class Compiled:
         reduced *= scale
         reduced *= scale[:, None]
         lower, info = scipy.linalg.lapack.dpotrf(reduced, lower=1, clean=1)
-        if info != 0 or reciprocal_condition(lower, reduced) < condition_least:
+        condition = reciprocal_condition(lower, reduced) if info == 0 else 0.0
+        if condition < condition_least:
             full = np.tril(reduced) + np.tril(reduced, -1).T
             raise SingularError(full, scale, slice(0, size))
-        return Factor(scale, lower, root, dense.reshape(n, 3, size))
+        return Factor(scale, lower, root, dense.reshape(n, 3, size), condition)
 
 
 @dataclass(frozen=True, eq=False)

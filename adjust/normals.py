@@ -122,6 +122,8 @@ class Factor:
     lower: Floats
     root: Floats
     white: Floats
+    condition: float
+    """the reciprocal condition of the scaled S"""
 
     @cached_property
     def point_inverse(self) -> Floats:
@@ -156,9 +158,10 @@ def factorise(normals: Normals, condition_least: float = CONDITION_LEAST) -> Fac
     scale = 1.0 / np.sqrt(np.where(diagonal > 0.0, diagonal, 1.0))
     scaled = reduced * scale * scale[:, None]
     lower, info = scipy.linalg.lapack.dpotrf(scaled, lower=1, clean=1)
-    if info != 0 or reciprocal_condition(lower, scaled) < condition_least:
+    condition = reciprocal_condition(lower, scaled) if info == 0 else 0.0
+    if condition < condition_least:
         raise SingularError(scaled, scale, slice(0, len(scale)))
-    return Factor(scale, lower, root, white)
+    return Factor(scale, lower, root, white, condition)
 
 
 def reciprocal_condition(lower: Floats, matrix: Floats) -> float:

@@ -11,7 +11,7 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from adjust.normals import Factor, SingularError
+from adjust.normals import SingularError
 from adjust.observations import Observations
 from adjust.rotation import rotation_derivatives
 from adjust.unknowns import EXTERIOR_NAMES, Unknowns
@@ -19,12 +19,12 @@ from simfield.block import Floats, Indices
 
 NULL_SHARE = 1e-13
 """eigenvalues below this share of the largest belong to the null space; rounding leaves some 1e-16"""
+SAME_WEAKNESS = 100.0
+"""where the matrix is only nearly singular, eigenvalues up to so many times the smallest are explained with it"""
 CONTAINED = 1e-5
 """sine of the angle within which a direction counts as contained in a space; eigenvectors are good to about 1e-9"""
 ALIGNED = 1.0 - CONTAINED**2
 """the same as a squared cosine"""
-WEAK_SHARE = 1e-8
-"""eigenvalues below this share of the largest are worth a hint; good blocks with many parameters stay above 1e-5"""
 LEADING = 0.25
 """an unknown is named when its share is at least this part of the largest"""
 NAMES_MOST = 6
@@ -61,15 +61,6 @@ def explain(error: SingularError, observations: Observations, x: Floats) -> str:
     return "; ".join(sentences)
 
 
-def hardly_separable(factor: Factor, observations: Observations) -> str:
-    """A hint at the weakest combination of unknowns, to be appended to a sentence; empty if it is not weak."""
-    values, vectors = np.linalg.eigh(factor.lower @ factor.lower.T)
-    weak = vectors[:, values < WEAK_SHARE * values[-1]]
-    if not weak.shape[1]:
-        return ""
-    return f"; {_shortened(_leading(observations.image_points.unknowns, weak))} can hardly be separated"
-
-
 def _undetermined_point(u: Unknowns, point: int) -> str:
     name, rays = u.block.points.ids[point], int(u.block.rays[point])
     if rays >= 2:
@@ -87,7 +78,7 @@ def _without_effect(u: Unknowns, column: int) -> str:
 def _null_space(scaled: Floats) -> Floats:
     """(E, d) an orthonormal basis of the null space, of dimension one at least."""
     values, vectors = np.linalg.eigh(scaled)
-    defect = max(1, int(np.sum(values < NULL_SHARE * values[-1])))
+    defect = int(np.sum(values < max(NULL_SHARE * values[-1], SAME_WEAKNESS * values[0])))
     return np.asarray(vectors[:, :defect])
 
 

@@ -151,14 +151,14 @@ def _first_calls(problem: Problem, solvers: dict[str, Solver]) -> None:
 
 
 def agree(problem: Problem, solvers: dict[str, Solver]) -> dict[str, Any]:
-    """vPv of every solver's answer to trial 0, by one function for all, and how far it lies above the least of its form."""
+    """vPv of every solver's answer to trial 0, by one function for all, and how far it lies above the form's least."""
     cost: dict[str, dict[str, float]] = {}
     for name, solver in solvers.items():
         solver.prepare(0)
         if not isinstance(solver, AdjustReplicates):  # which have solved trial 0 in every round
             solver.solve()
         cost.setdefault(solver.form, {})[name] = problem.cost(solver.answer(), solver.form, trial=0)
-    forms = {}
+    forms: dict[str, Any] = {}
     for form, of_solver in cost.items():
         least = min(of_solver.values())
         forms[form] = {
@@ -256,8 +256,8 @@ def report(results: dict[str, Any]) -> str:
     f, peak = results["flops"], results["peak"]["dgemm_gflops_median"]
     lines += [
         "",
-        f"share of the flop limit {f['share']:.1%}: {f['mflop_per_trial']:.2f} MFLOP at {peak:.1f} GFLOP/s (dgemm, one core)"
-        f" take {1000 * f['limit_ms']:.0f} us, measured {1000 * f['measured_ms']:.0f} us a trial",
+        f"share of the flop limit {f['share']:.1%}: {f['mflop_per_trial']:.2f} MFLOP at {peak:.1f} GFLOP/s"
+        f" (dgemm, one core) take {1000 * f['limit_ms']:.0f} us, measured {1000 * f['measured_ms']:.0f} us a trial",
     ]
     for b in results["scaling"]["blocks"]:
         lines.append(

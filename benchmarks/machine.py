@@ -32,7 +32,7 @@ def installed(package: str) -> str | None:
 
 
 def description() -> dict[str, Any]:
-    blas = np.show_config(mode="dicts")["Build Dependencies"]["blas"]  # type: ignore[call-overload,index]
+    blas = np.show_config(mode="dicts")["Build Dependencies"]["blas"]
     return {
         "cpu": cpu_model(),
         "cores": os.cpu_count(),

@@ -1,4 +1,4 @@
-"""Ceres through pycolmap: its C++ cost functions, its choice of linear solver (dense Schur here), its default tolerances."""
+"""Ceres through pycolmap: its C++ cost functions, its choice of linear solver (dense Schur here), its tolerances."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ FORMAT = 100_000
 class Ceres:
     """One thread. Timed is what happens in C++: building the Ceres problem from the reconstruction, and solving it.
 
-    tolerance: pycolmap's own ("default"), which reaches the minimum to about 1e-11 standard deviations here, or the "loose"
-    one of a relative cost change of 1e-10, which stops two steps earlier and about 1e-4 standard deviations away.
+    tolerance: pycolmap's own ("default"), which reaches the minimum to about 1e-11 standard deviations here, or the
+    "loose" one of a relative cost change of 1e-10, which stops two steps earlier, 1e-4 standard deviations away.
     """
 
     def __init__(self, problem: Problem, form: str, tolerance: str = "default") -> None:
@@ -101,7 +101,8 @@ class Ceres:
     @property
     def note(self) -> str:
         s = self.summary.ceres_summary
-        return f"{s.num_successful_steps} steps, {s.linear_solver_type_used.name}, {s.num_effective_parameters_reduced} unknowns"
+        steps, unknowns = s.num_successful_steps, s.num_effective_parameters_reduced
+        return f"{steps} steps, {s.linear_solver_type_used.name}, {unknowns} unknowns"
 
 
 class CeresWarm(Ceres):

@@ -1,4 +1,4 @@
-"""GTSAM with its own C++ factors: Levenberg-Marquardt, multifrontal Cholesky, METIS ordering (the fastest of ten tried)."""
+"""GTSAM with its own C++ factors: Levenberg-Marquardt, multifrontal Cholesky, METIS ordering, the best of ten tried."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ from gtsam.symbol_shorthand import K, L, X
 from benchmarks.problem import IDEAL4, TO_VISION, Answer, Problem
 
 HELD_M = 1e-6
-"""standard deviation of what is held constant: hard constraints send GTSAM to QR, forty times slower, and this moves the
-cost by 2e-11 of it"""
+"""standard deviation of what is held constant: hard constraints send GTSAM to QR, forty times slower, and this moves
+the cost by 2e-11 of it"""
 FREE = 1e6
 
 

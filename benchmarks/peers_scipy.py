@@ -1,8 +1,7 @@
 """scipy.optimize.least_squares with an analytic sparse Jacobian: trust region, x_scale="jac", LSMR run to the end.
 
-The residuals and derivatives are this engine's numpy functions, so scipy pays for nothing but its own iterations and the
-assembly of the sparse matrix. The dense variants (tr_solver="exact", method="lm") take 5 to 15 times as long on this block, and
-LSMR with its own tolerances stops short of the minimum.
+The residuals and derivatives are this engine's numpy functions. The dense variants (tr_solver="exact", method="lm")
+take 5 to 50 times as long on this block, and LSMR with its own tolerances stops short of the minimum.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
 """What all solvers of the benchmark are given, what they hand back, and the one cost that judges them.
 
-Three forms of the same block. "none": the collinearity equations alone, which every solver states exactly. "ideal4": two
-radial and two decentering parameters a camera, evaluated at the projected point; this is what Ceres (through pycolmap) and
-GTSAM have built in. "brown14": 14 parameters a camera, evaluated at the measured point, the form of this engine.
+Three forms of the same block. "none": the collinearity equations alone, which every solver states exactly. "ideal4":
+two radial and two decentering parameters a camera, evaluated at the projected point; this is what Ceres (through
+pycolmap) and GTSAM have built in. "brown14": 14 parameters a camera, at the measured point, the form of this engine.
 """
 
 from __future__ import annotations
@@ -31,8 +31,8 @@ PRESET, SEED = "rheidt-1980", 1980
 
 @dataclass(frozen=True, eq=False)
 class Answer:
-    """Estimates: rotation (m, 3, 3) camera to object, station (m, 3), points (n, 3), reduced to the origin, m; parameters
-    (cameras, a) in the form's own units."""
+    """Estimates: rotation (m, 3, 3) camera to object, station (m, 3) and points (n, 3) reduced to the origin, m;
+    parameters (cameras, a) in the form's own units."""
 
     rotation: Floats
     station: Floats

@@ -29,7 +29,7 @@ def peak_mb() -> float:
 
 
 def scaling(images: int, seconds: float) -> dict[str, Any]:
-    """Adjust the growing block of `images` images again and again for about `seconds`, at least once after a warm call."""
+    """Adjust the growing block of `images` images again and again for about `seconds`, at least once."""
     from benchmarks.growing import SIZES, growing_block
 
     begin = time.perf_counter()

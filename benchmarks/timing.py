@@ -14,7 +14,7 @@ from benchmarks.problem import Solver
 def interleaved(
     solvers: Mapping[str, Solver], rounds: int, calls: Mapping[str, int], each_round: Callable[[int], None]
 ) -> dict[str, list[float]]:
-    """Seconds of every solve by solver. Round r solves trial r; calls: solves of a solver in a round (1 if not named)."""
+    """Seconds of every solve by solver. Round r solves trial r; calls: solves in a round (1 where not named)."""
     seconds: dict[str, list[float]] = {name: [] for name in solvers}
     for trial in range(rounds):
         each_round(trial)

@@ -161,12 +161,16 @@ def models(model_id: str | None, settings: tuple[str, ...], draw: Path | None) -
     if model_id is None:
         if draw is not None:
             raise click.UsageError("--draw needs the ID of a model")
-        click.echo(models_page.table())
+        click.echo(models_page.table(), nl=False)
         return
     model = _model(model_id, settings)
-    click.echo(models_page.describe(model))
-    if draw is not None:
+    click.echo(models_page.describe(model), nl=False)
+    if draw is None:
+        return
+    try:
         models_page.draw_fields(model, draw)
+    except (ValueError, OSError) as error:
+        raise click.UsageError(f"{draw} cannot be drawn: {error}") from error
 
 
 def _model(model_id: str, settings: tuple[str, ...]) -> ApModel:

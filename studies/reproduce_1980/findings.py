@@ -10,17 +10,30 @@ from threadpoolctl import threadpool_limits
 
 from simfield import World, build_world, presets
 from simfield.block import Block, Floats
+from simfield.distortion import DistortionError
+from simfield.measurement import CountError
 from simfield.truth import Truth
 from studies.distortion import DecenteringFields, RadialCurve, decentering_fields, radial_curve
 from studies.progress import progress_bar
 from studies.reproduce_1980 import claims, table1, table2
-from studies.reproduce_1980.experiment import BOTH, CAMERAS, SECTIONS, Row, adjusted, middle_images, rows, sub_block
+from studies.reproduce_1980.experiment import (
+    BOTH,
+    CAMERAS,
+    SECTIONS,
+    ReproductionError,
+    Row,
+    adjusted,
+    middle_images,
+    rows,
+    sub_block,
+)
 from studies.reproduce_1980.trials import run_trials
 
 WORLD = "rheidt-1980"
 FILM_WORLD = "rheidt-1980-film"
 """the same with film that changes from image to image; a quarter of the trials, for comparison"""
 FILM_SHARE = 4
+OTHER_GEOMETRIES = 8
 RADIUS_EDGES_MM = np.arange(0.0, 171.0, 10.0)
 
 
@@ -30,13 +43,13 @@ class Findings:
 
     world: World
     film_world: World
-    truth: Truth
     trials: int
     film_trials: int
     table1: pd.DataFrame
     table1_film: pd.DataFrame
     table2: pd.DataFrame
     table2_rms: pd.DataFrame
+    geometries: pd.DataFrame
     claims: pd.DataFrame
     z0: pd.DataFrame
     errors: pd.DataFrame
@@ -50,7 +63,10 @@ class Findings:
 def compute(trials: int, jobs: int | None, seed: int) -> Findings:
     """Fly both worlds and compute everything that is reported. Flight 0 serves what needs no statistics."""
     experiment = rows()
-    world, film_world = (build_world(presets[name], seed) for name in (WORLD, FILM_WORLD))
+    try:
+        world, film_world = (build_world(presets[name], seed) for name in (WORLD, FILM_WORLD))
+    except (CountError, DistortionError) as error:
+        raise ReproductionError(str(error)) from error
     film_trials = max(2, trials // FILM_SHARE)
     with progress_bar(trials + film_trials, "flights") as bar:
         flown = run_trials(world, experiment, trials, jobs, bar.update)
@@ -61,22 +77,22 @@ def compute(trials: int, jobs: int | None, seed: int) -> Findings:
         z0 = claims.z0_correlations(block, truth)
         both = {model: adjusted(sub_block(block, truth, BOTH, True), model) for model in SECTIONS}
         return Findings(
-            world,
-            film_world,
-            truth,
-            trials,
-            film_trials,
-            table1.table1(experiment, flown),
-            table1.table1(experiment, film_flown),
-            correlations,
-            table2.rms_of_differences(correlations),
-            claims.claims(block, truth, z0),
-            z0,
-            claims.standard_errors(block, truth, experiment),
-            {camera: _radii(block, truth, camera) for camera in CAMERAS},
-            {c: {model: radial_curve(a, c, truth) for model, a in both.items()} for c in CAMERAS},
-            {c: decentering_fields(both["optical"], c, truth) for c in CAMERAS},
-            _failures(experiment, flown, WORLD) + _failures(experiment, film_flown, FILM_WORLD),
+            world=world,
+            film_world=film_world,
+            trials=trials,
+            film_trials=film_trials,
+            table1=table1.table1(experiment, flown),
+            table1_film=table1.table1(experiment, film_flown),
+            table2=correlations,
+            table2_rms=table2.rms_of_differences(correlations),
+            geometries=table2.other_geometries(world.scenario, range(seed + 1, seed + 1 + OTHER_GEOMETRIES)),
+            claims=claims.claims(block, truth, z0),
+            z0=z0,
+            errors=claims.standard_errors(block, truth, experiment),
+            radii={c: _radii(block, truth, c) for c in CAMERAS},
+            curves={c: {model: radial_curve(a, c, truth) for model, a in both.items()} for c in CAMERAS},
+            fields={c: decentering_fields(both["optical"], c, truth) for c in CAMERAS},
+            failures=_failures(experiment, flown, WORLD) + _failures(experiment, film_flown, FILM_WORLD),
         )
 
 

@@ -21,8 +21,10 @@ NAN = float("nan")
 
 def failed(block: Block, status: Status, model: ApModel | None = None) -> str:
     """The detail of the message, after making sure that a failure is one everywhere."""
+    plain = adjust_block(block, model, compiled=False)
     a = adjust_block(block, model)
     assert a.status is status, a.message
+    assert a.message == plain.message
     assert a.message.startswith(status.value + ": ")
     assert "\n" not in a.message
     assert_no_result(a)

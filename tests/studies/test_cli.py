@@ -170,6 +170,17 @@ def test_interrupt_exits_130(folder, monkeypatch):
     assert call("adjust", folder, "--ap", "none").exit_code == 130
 
 
+def test_termination_exits_143(tmp_path):
+    """Once the first flights are under way, so that the signal finds the command at work."""
+    call_it = [sys.executable, "-c", "from studies.cli import main; main()", "reproduce", "mauelshagen-1980"]
+    with subprocess.Popen([*call_it, "--jobs", "1", "--out", str(tmp_path)], stderr=subprocess.PIPE) as process:
+        assert process.stderr is not None
+        while b"flights" not in process.stderr.read(10):
+            assert process.poll() is None
+        process.terminate()
+        assert process.wait(timeout=30) == 143
+
+
 def test_help_is_quick_and_imports_nothing_heavy():
     code = (
         "import sys\nfrom studies.cli import main\nmain(['--help'], standalone_mode=False)\n"

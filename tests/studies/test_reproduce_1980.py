@@ -64,6 +64,9 @@ def test_table2_agrees_with_the_paper_as_far_as_can_be(folder):
     for variant in ("b4_only", "sign_only"):
         assert (rms[variant] > rms["corrected"]).all()
         assert (rms[variant] < rms["as_printed"]).all()
+    others = pd.read_csv(folder / "table2_geometries.csv")
+    assert others["seed"].min() > 1980
+    assert others[["as_labelled", "swapped"]].max().max() < RMS_AS_PRINTED
     written = pd.read_csv(folder / "table2_rms.csv").set_index(["variant", "aux_points", "camera"])["as_labelled"]
     pd.testing.assert_series_equal(written.sort_index(), rms.sort_index(), check_names=False, atol=1e-4)
 
