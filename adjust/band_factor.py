@@ -5,14 +5,14 @@ With the reduced matrix [[B, C], [C^T, D]], B banded: B = L L^T, U = L^-1 C, and
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 import scipy.linalg
 
 from adjust import compiled_assembly as loops
-from adjust.normals import CONDITION_LEAST, SingularError
+from adjust.normals import CONDITION_LEAST, inverse_norm
 from simfield.block import Floats, Indices
 
 
@@ -35,7 +35,7 @@ class BandFactor:
     image: Indices
     point: Indices
     condition: float
-    """the least squared pivot of the scaled matrix, at most its reciprocal condition times a small number"""
+    """the reciprocal condition of the scaled S"""
 
     def solve_orientation(self, right: Floats) -> Floats:
         """S^-1 right, (E) or (E, q), in the order of x."""
@@ -68,8 +68,20 @@ class BandFactor:
         return np.concatenate([step_e, step_p.ravel()]), max(decrement, 0.0) ** 0.5
 
 
-def banded(normals: Any, ordering: Any, image_points: Any, root: Floats, white: Floats, white_a: Floats) -> BandFactor:
-    """Reduce to a bordered band and factorise. Raises SingularError, whose matrix is that of the unknown that failed."""
+class SingularBandError(ArithmeticError):
+    """The banded normal equations are singular; to say why takes the whole matrix."""
+
+
+def banded(
+    normals: Any,
+    ordering: Any,
+    image_points: Any,
+    root: Floats,
+    white: Floats,
+    white_a: Floats,
+    condition_least: float = CONDITION_LEAST,
+) -> BandFactor:
+    """Reduce to a bordered band and factorise. Raises SingularBandError."""
     g = image_points
     m, a = normals.ea.shape[0], normals.ea.shape[2]
     place = ordering.place
@@ -96,13 +108,18 @@ def banded(normals: Any, ordering: Any, image_points: Any, root: Floats, white: 
     border *= in_band[:, None] * scale[6 * m :]
     corner *= scale[6 * m :] * scale[6 * m :, None]
     lower, info = scipy.linalg.lapack.dpbtrf(band, lower=1)
-    if info != 0 or lower[0].min() ** 2 < CONDITION_LEAST:
-        bad = int(np.argmax(order == (info - 1 if info > 0 else int(np.argmin(lower[0])))))
-        raise SingularError(np.zeros((1, 1)), scale[bad : bad + 1], slice(bad, bad + 1))
+    if info != 0:
+        raise SingularBandError
     solved = scipy.linalg.cho_solve_banded((lower, True), border, check_finite=False) if a else border
     left, info = scipy.linalg.lapack.dpotrf(corner - border.T @ solved, lower=1, clean=1) if a else (corner, 0)
-    if info != 0 or (a and np.diag(left).min() ** 2 < CONDITION_LEAST):
-        bad = 6 * m + (info - 1 if info > 0 else int(np.argmin(np.diag(left))))
-        raise SingularError(np.zeros((1, 1)), scale[bad : bad + 1], slice(bad, bad + 1))
-    condition = float(min(lower[0].min(), np.diag(left).min(initial=1.0)) ** 2)
-    return BandFactor(scale, lower, solved, border, left, order, root, white, white_a, g.image, g.point, condition)
+    if info != 0:
+        raise SingularBandError
+    factor = BandFactor(scale, lower, solved, border, left, order, root, white, white_a, g.image, g.point, np.nan)
+    per_row = scale[:, None]
+    inverse = inverse_norm(lambda b: factor.solve_orientation(b / per_row) / per_row, len(scale))
+    # the 1-norm of a symmetric matrix is at most twice that of its lower triangle
+    norm = 2.0 * float(np.abs(band).sum(axis=0).max() + np.abs(border).sum(axis=1).max(initial=0.0))
+    factor = replace(factor, condition=1.0 / (norm * inverse))
+    if not factor.condition >= condition_least:
+        raise SingularBandError
+    return factor

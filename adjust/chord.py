@@ -29,6 +29,8 @@ from simfield.block import Block, Floats, ImageObservations, Points
 
 ERROR_LEFT = 1e-8
 """bound of the error left in any unknown, in its standard deviations"""
+SMALL_STEP = 1e-9
+"""a step this small ends the iteration whatever the contraction: rounding makes about 3e-11"""
 CONTRACTION_MOST = 0.2
 """a trial that contracts less is left to full Gauss-Newton"""
 STEPS_MOST = 8
@@ -149,12 +151,12 @@ class Chord:
             active = active & (depth > 0.0) & np.isfinite(length)
             contraction = length / before
             if step > 1:
-                active &= contraction < CONTRACTION_MOST
+                active &= (contraction < CONTRACTION_MOST) | (length < SMALL_STEP)
             kernels.advance(room.change, active, self.s, room.start, room.y, room.x)
             vpv[active], iterations[active] = cost[active], step
             # the first step measures a distance, not an error: nothing is known of the contraction yet
             left = length * contraction / (1.0 - np.minimum(contraction, CONTRACTION_MOST))
-            done = active & (left < ERROR_LEFT) & (step > 1)
+            done = active & ((left < ERROR_LEFT) & (step > 1) | (length < SMALL_STEP))
             converged |= done
             active &= ~done
             before = length.copy()

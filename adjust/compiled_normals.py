@@ -16,7 +16,7 @@ import scipy.linalg
 import scipy.sparse
 
 from adjust import compiled_assembly as loops
-from adjust.band_factor import BandFactor, banded
+from adjust.band_factor import BandFactor, SingularBandError, banded
 from adjust.normals import CONDITION_LEAST, DETERMINANT_LEAST, Factor, SingularError, reciprocal_condition
 from adjust.observations import Observations
 from adjust.rotation import rotation_matrices
@@ -162,7 +162,10 @@ class Compiled:
         white_a = root @ normals.pa
         if size <= DENSE_MOST or not self.ordering.narrow:
             return self._dense(normals, root, white, white_a, condition_least)
-        return banded(normals, self.ordering, g, root, white, white_a)
+        try:
+            return banded(normals, self.ordering, g, root, white, white_a, condition_least)
+        except SingularBandError:
+            return self._dense(normals, root, white, white_a, condition_least)  # whose error can say why
 
     @cached_property
     def ordering(self) -> Ordering:

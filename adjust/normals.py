@@ -12,6 +12,7 @@ radians and mm^-6 alike.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -165,17 +166,24 @@ def factorise(normals: Normals, condition_least: float = CONDITION_LEAST) -> Fac
 
 
 def reciprocal_condition(lower: Floats, matrix: Floats) -> float:
-    """1 / (|M| |M^-1|) from the Cholesky factor `lower` of M: |M| in the 1-norm, |M^-1| by inverse iteration.
-
-    Two steps from four random vectors, always the same ones. LAPACK's estimator starts from a vector of ones, which is
-    orthogonal to the null vector of two equal columns, (1, -1): it sees nothing of the commonest defect of all.
-    """
+    """1 / (|M| |M^-1|) from the Cholesky factor `lower` of M, |M| in the 1-norm."""
     norm = float(np.abs(matrix).sum(axis=0).max())
-    probes = np.random.default_rng(0).standard_normal((len(lower), PROBES))
+    return 1.0 / (
+        norm * inverse_norm(lambda b: scipy.linalg.cho_solve((lower, True), b, check_finite=False), len(lower))
+    )
+
+
+def inverse_norm(solve: Callable[[Floats], Floats], size: int) -> float:
+    """|M^-1| by inverse iteration, two steps from four random vectors, always the same; solve gives M^-1 b, b (size, 4).
+
+    LAPACK's estimator starts from a vector of ones, which is orthogonal to the null vector of two equal columns,
+    (1, -1): it sees nothing of the commonest defect of all.
+    """
+    probes = np.random.default_rng(0).standard_normal((size, PROBES))
     for _ in range(2):
         probes, _ = np.linalg.qr(probes)
-        probes = scipy.linalg.cho_solve((lower, True), probes, check_finite=False)
-    return 1.0 / (norm * float(np.linalg.norm(probes, axis=0).max()))
+        probes = solve(probes)
+    return float(np.linalg.norm(probes, axis=0).max())
 
 
 def _root_of_point_blocks(pp: Floats, size: int) -> Floats:

@@ -76,7 +76,7 @@ def solve(observations: Observations, start: Floats, arithmetic: Arithmetic) -> 
             return Solution(x, Status.NOT_FINITE, _not_finite(observations, iteration), iteration)
         contraction = min(length / before, 0.5) if np.isfinite(before) else 0.5
         if length <= rounding or length * contraction / (1.0 - contraction) <= ERROR_LEFT:
-            return _arrived(observations, x + step, iteration, arithmetic if chord else None)
+            return Solution(x + step, Status.CONVERGED, "", iteration)
         # a factorisation on the verge of singularity must be made anew at the end, where it may be singular
         contracts = not chord or length < CONTRACTION_MOST * before
         chord = length < CHORD_BELOW and contracts and factor.condition > NEARLY_SINGULAR
@@ -99,16 +99,6 @@ def _advance(
         if normals.depth > 0.0 and normals.vpv <= most:
             return there, normals, chord
     return None
-
-
-def _arrived(observations: Observations, x: Floats, iteration: int, unchecked: Arithmetic | None) -> Solution:
-    """Converged, unless the normal equations have become singular since they were last factorised, before chord steps."""
-    try:
-        if unchecked is not None:
-            unchecked.factorise(unchecked.at(x))
-    except SingularError as error:
-        return Solution(x, Status.SINGULAR, explain(error, observations, x), iteration)
-    return Solution(x, Status.CONVERGED, "", iteration)
 
 
 def _given_up(

@@ -135,9 +135,8 @@ def _ceres(problem: Problem) -> dict[str, Solver]:
 
     return {
         "ceres none": Ceres(problem, NONE),
-        "ceres none loose": Ceres(problem, NONE, "loose"),
         "ceres ideal4": Ceres(problem, IDEAL4),
-        "ceres ideal4 loose": Ceres(problem, IDEAL4, "loose"),
+        "ceres ideal4 default": Ceres(problem, IDEAL4, tuned=False),
         "ceres ideal4 warm": CeresWarm(problem, IDEAL4),
         "ceres ideal4 written": CeresWritten(problem, IDEAL4),
     }
@@ -183,9 +182,9 @@ def ratios(times: dict[str, dict[str, Any]]) -> dict[str, float | None]:
         "adjust_with_std_over_ceres": over("ceres ideal4", f"{block} with std"),
         "replicates_over_ceres_with_writing": over("ceres ideal4 written", replicates),
         "replicates_over_ceres_warm": over("ceres ideal4 warm", replicates),
-        "replicates_over_ceres_loose": over("ceres ideal4 loose", replicates),
+        "replicates_over_ceres_default": over("ceres ideal4 default", replicates),
         "replicates_over_ceres_both_none": over("ceres none", "adjust_replicates none"),
-        "adjust_over_ceres_loose": over("ceres ideal4 loose", block),
+        "adjust_over_ceres_default": over("ceres ideal4 default", block),
         "adjust_over_ceres_both_none": over("ceres none", "adjust_block none"),
         "replicates_over_gtsam": over("gtsam ideal4", replicates),
         "adjust_over_gtsam": over("gtsam ideal4", block),

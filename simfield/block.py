@@ -91,12 +91,12 @@ class Points:
     @property
     def fixed(self) -> npt.NDArray[np.bool_]:
         """(n, 3): control coordinates held fixed."""
-        return (self.role == "control")[:, None] & (self.sigma == 0.0)
+        return np.asarray((self.role == "control")[:, None] & (self.sigma == 0.0))
 
     @property
     def weighted(self) -> npt.NDArray[np.bool_]:
         """(n, 3): control coordinates that enter as observations."""
-        return (self.role == "control")[:, None] & (self.sigma > 0.0)
+        return np.asarray((self.role == "control")[:, None] & (self.sigma > 0.0))
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,7 +1,7 @@
 """`simfield.counter_normals` compiled, for blocks of trials whose inner axis are the trials.
 
-Operations and their order are those of the readable form and none are fused, so the bits agree. Compiled code is kept on
-disk; the first call on a machine compiles for some seconds.
+Operations and their order are those of the readable form and none are fused, so the bits agree. Compiled code is kept
+on disk; the first call on a machine compiles for some seconds.
 """
 
 from __future__ import annotations
@@ -29,7 +29,9 @@ def _philox(c0, c1, c2, c3, k0, k1):  # type: ignore[no-untyped-def]
 
 @numba.njit(cache=True, error_model="numpy", inline="always")
 def _pair(w0, w1, w2, w3):  # type: ignore[no-untyped-def]
-    bits = np.float64(np.int64((w0 >> np.uint64(5) << np.uint64(26)) + (w1 >> np.uint64(6)) + np.uint64(1))).view(np.int64)
+    bits = np.float64(np.int64((w0 >> np.uint64(5) << np.uint64(26)) + (w1 >> np.uint64(6)) + np.uint64(1))).view(
+        np.int64
+    )
     exponent = (bits >> 52) - 1023
     mantissa = np.int64((bits & MANTISSA) | ONE).view(np.float64)
     large = mantissa > 1.4142135623730951

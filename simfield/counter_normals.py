@@ -1,9 +1,9 @@
 """Normal numbers by counter: number i of a stream is a function of the key and i alone, in any order, on any machine.
 
-Philox4x32-10 (Salmon et al. 2011, Parallel random numbers: as easy as 1, 2, 3) turns a counter of four 32-bit words into
-four random ones, Box & Muller (1958) turns these into two independent standard normal numbers. Logarithm, sine and cosine
-are polynomials written out here, so that no mathematical library can change a bit. `normal_pairs` is the readable form in
-numpy; `simfield.compiled_draws` has the same operations compiled, and gives the same bits.
+Philox4x32-10 (Salmon et al. 2011, Parallel random numbers: as easy as 1, 2, 3) turns a counter of four 32-bit words
+into four random ones, Box & Muller (1958) turns these into two independent standard normal numbers. Logarithm, sine and
+cosine are polynomials written out here, so that no mathematical library can change a bit. `normal_pairs` is the
+readable form in numpy; `simfield.compiled_draws` has the same operations compiled, and gives the same bits.
 """
 
 from __future__ import annotations
@@ -23,7 +23,17 @@ LN2 = 0.6931471805599453
 LOG_TERMS = tuple(2.0 / (2 * i + 1) for i in range(11))
 """2 artanh(s) = s (2 + 2/3 s^2 + 2/5 s^4 + ...): with |s| <= 0.172 the next term is below 1e-18"""
 SINE_TERMS = (1.0, -1 / 6, 1 / 120, -1 / 5040, 1 / 362880, -1 / 39916800, 1 / 6227020800, -1 / 1307674368000)
-COSINE_TERMS = (1.0, -1 / 2, 1 / 24, -1 / 720, 1 / 40320, -1 / 3628800, 1 / 479001600, -1 / 87178291200, 1 / 20922789888000)
+COSINE_TERMS = (
+    1.0,
+    -1 / 2,
+    1 / 24,
+    -1 / 720,
+    1 / 40320,
+    -1 / 3628800,
+    1 / 479001600,
+    -1 / 87178291200,
+    1 / 20922789888000,
+)
 """Taylor series up to a^15 and a^16; for |a| <= pi/4 the next terms are below 1e-16"""
 TWO_PI = 6.283185307179586
 

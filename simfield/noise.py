@@ -1,18 +1,20 @@
 """Random errors of image coordinates and of the geodetic survey.
 
-Every image of every trial has its own stream, drawn for all points of the field: the noise of an observation stays
-what it was when other images, other points or another camera's noise change.
+The noise of an observation hangs on the seed, the trial, the image's id and the point's number in the field alone: it
+stays what it was when other images, other points or another camera's noise change.
 """
 
 from __future__ import annotations
 
+import zlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from simfield.block import Floats, Indices
-from simfield.streams import stream
+from simfield.draws import ImageNoise
+from simfield.streams import counter_key, stream
 
 PerCamera = float | Mapping[str, float]
 """One number for all cameras, or one for each camera id."""
@@ -48,12 +50,10 @@ class Noise:
         return _for_cameras(self.image_um if self.assumed_um is None else self.assumed_um, camera_ids) / 1000.0
 
 
-def image_noise(
-    sigma_mm: Floats, image_ids: Sequence[str], image: Indices, place: Indices, n_points: int, seed: int, trial: int
-) -> Floats:
-    """(k, 2) errors in mm of observations in the images (k) of the field's points number `place` (k)."""
-    unit = np.stack([stream(seed, "image-noise", trial, i).standard_normal((n_points, 2)) for i in image_ids])
-    return np.asarray(sigma_mm[image, None] * unit[image, place])
+def image_noise(sigma_mm: Floats, image_ids: Sequence[str], image: Indices, place: Indices, seed: int) -> ImageNoise:
+    """The errors of observations in the images (k) of the field's points number `place` (k); sigma_mm (m)."""
+    names = np.array([zlib.crc32(i.encode()) for i in image_ids], dtype=np.uint64)
+    return ImageNoise(sigma_mm[image], counter_key(seed, "image-noise"), place.astype(np.uint64), names[image])
 
 
 def geodetic_noise(noise: Noise, n_points: int, seed: int, trial: int) -> Floats:

@@ -7,6 +7,7 @@ The geometry (heights, deviations of the flights, omitted points, start values) 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from operator import index
 
 import numpy as np
@@ -14,6 +15,7 @@ import numpy.typing as npt
 
 from simfield.block import Block, Floats, ImageObservations, Images, Indices, Points
 from simfield.distortion import DrawnFilm, draw_film, measured_from_ideal, systematic
+from simfield.draws import ImageNoise, ImagePointDraws
 from simfield.fields import FieldPoints
 from simfield.flights import FlightPlan, deviation, fly, plan_flights
 from simfield.imaging import ideal_image, inside_format
@@ -65,11 +67,24 @@ class World:
         )
 
     def image_points(self, trial: int = 0) -> Floats:
-        """(k, 2) measured image coordinates of a trial, mm: what `observe` puts into the block, without the block."""
+        """(k, 2) measured image coordinates of a trial, mm: what `observe` puts into the block, without the block.
+
+        Raises ValueError for a trial that is not a number from 0 to 2^32 - 1.
+        """
+        if not 0 <= index(trial) < 2**32:
+            raise ValueError(f"trial {trial} is not allowed, trials are numbered from 0 to 2^32 - 1")
+        return self.undisturbed_image_points(trial) + self.image_noise.of(trial)
+
+    def draws(self, start: int, stop: int) -> ImagePointDraws:
+        """The image coordinates of the trials start .. stop - 1, drawn when they are asked for."""
+        moving = self.undisturbed_image_points if self.scenario.film else None
+        return ImagePointDraws(self.distorted, self.image_noise, start, stop, moving)
+
+    @cached_property
+    def image_noise(self) -> ImageNoise:
+        """The random errors of all image coordinates."""
         sigma = self.scenario.noise.image_sigma_mm(self.plan.camera_ids)
-        return self.undisturbed_image_points(trial) + image_noise(
-            sigma, self.plan.image_ids, self.image, self.place[self.point], len(self.field), self.seed, trial
-        )
+        return image_noise(sigma, self.plan.image_ids, self.image, self.place[self.point], self.seed)
 
     def given_coordinates(self, trial: int = 0) -> Floats:
         """(n, 3) coordinates of the measured points as the geodetic survey of a trial gives them, metres."""

@@ -16,7 +16,17 @@ def stream(seed: int, *key: str | int) -> np.random.Generator:
 
     Names enter by their CRC-32. Raises ValueError for a negative seed or number.
     """
+    return np.random.Generator(np.random.PCG64(_sequence(seed, key)))
+
+
+def _sequence(seed: int, key: tuple[str | int, ...]) -> np.random.SeedSequence:
     if seed < 0 or any(isinstance(k, int) and k < 0 for k in key):
         raise ValueError(f"seed and trial are numbers from 0, found seed {seed} and key {key}")
     words = tuple(zlib.crc32(k.encode()) if isinstance(k, str) else k for k in key)
-    return np.random.Generator(np.random.PCG64(np.random.SeedSequence(seed, spawn_key=words)))
+    return np.random.SeedSequence(seed, spawn_key=words)
+
+
+def counter_key(seed: int, *key: str | int) -> tuple[int, int]:
+    """Two 32-bit words that key the counters of one concern (simfield.counter_normals). Raises as `stream`."""
+    first, second = _sequence(seed, key).generate_state(2)
+    return int(first), int(second)

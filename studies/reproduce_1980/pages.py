@@ -147,13 +147,13 @@ def _table2(found: Findings) -> Iterator[str]:
         + " and ".join(fits)
         + ". The matrices are in `table2.md`, all pairs in `table2.csv`.\n"
     )
-    best = found.geometries.assign(rms=found.geometries[["as_labelled", "swapped"]].min(axis=1))
-    best = best.groupby(["aux_points", "seed"])["rms"].min()
+    others = found.geometries.assign(rms=found.geometries[["as_labelled", "swapped"]].min(axis=1))
+    best = others.groupby(["aux_points", "seed"])["rms"].min()
     ranges = [f"{best[aux].min():.3f} to {best[aux].max():.3f} {label}" for aux, label in AUX.items()]
     yield (
-        "How the flights deviated from their plan and which points were not measured is not known, and Table 2 depends on "
-        f"it: for {len(best[False])} other geometries (other seeds, `table2_geometries.csv`), camera and printed row as "
-        f"they fit best, it is {' and '.join(ranges)}.\n"
+        "How the flights deviated from their plan and which points were not measured is not known, and the correlations "
+        f"depend on it: for {others['seed'].nunique()} other geometries (other seeds, `table2_geometries.csv`), camera "
+        f"and printed row as they fit best, the rms is {' and '.join(ranges)}.\n"
     )
     for camera in CAMERAS:
         yield f"![Table 2, {camera}](table2_{camera}.svg)\n"

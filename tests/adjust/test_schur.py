@@ -10,6 +10,7 @@ from adjust.normals import assemble, factorise
 from adjust.observations import Observations
 from adjust.precision import Cofactors
 from adjust.unknowns import Unknowns
+from simfield.block import Block, ImageObservations, Images
 from tests import synthetic
 from tests.adjust import dense
 
@@ -107,3 +108,49 @@ def test_mixed_models(two_camera_world: synthetic.World) -> None:
     np.testing.assert_allclose(a.std, std, rtol=1e-9)
     with pytest.raises(KeyError, match="sww"):
         adjust_block(w.block, {"ww": ap_models.get("optical")})
+
+
+class TestBand:
+    """A long strip, in which few images share points: its normal equations are a band, whatever the size."""
+
+    @pytest.fixture
+    def strip(self, monkeypatch: pytest.MonkeyPatch) -> synthetic.World:
+        monkeypatch.setattr("adjust.compiled_normals.DENSE_MOST", 0)
+        rng = np.random.default_rng(0)
+        field = {f"{i}/{j}": [400.0 * i, 400.0 * j, rng.uniform(-40.0, 40.0)] for i in range(36) for j in range(-2, 3)}
+        stations = [[966.0 * i, 0.0, 1605.0, *rng.normal(0.0, 0.01, 3)] for i in range(14)]
+        control = ("0/2", "0/-2", "16/0", "30/2", "30/-2")
+        w = synthetic.world([(synthetic.WW, np.array(stations))], field, control=control)
+        order = rng.permutation(len(w.block.images))  # the images come in no order
+        place = np.argsort(order)
+        b, o = w.block, w.block.observations
+        images = Images(tuple(b.images.ids[i] for i in order), b.images.camera, b.images.exterior[order])
+        observations = ImageObservations(place[o.image], o.point, o.xy, o.sigma)
+        shuffled = Block(b.cameras, images, b.points, observations)
+        return replace(w, block=shuffled, exterior=w.exterior[order]).with_noise(rng)
+
+    @pytest.mark.parametrize("model", ["none", "brown14"])
+    def test_step(self, strip: synthetic.World, model: str) -> None:
+        unknowns = Unknowns.of(strip.block, ap_models.get(model))
+        observations = Observations.of(strip.block, unknowns)
+        x = initial.values(unknowns, observations.image_points)
+        compiled = Compiled(observations)
+        factor = compiled.factorise(compiled.at(x))
+        assert isinstance(factor, BandFactor)
+        full = dense.solve(observations, x)
+        step, length = factor.step(compiled.at(x))
+        assert (np.abs(step - full.step) <= RELATIVE_TOLERANCE * length * np.sqrt(np.diag(full.inverse))).all()
+
+    @pytest.mark.parametrize("model", ["none", "brown14"])
+    def test_estimates(self, strip: synthetic.World, model: str) -> None:
+        a = adjust_block(strip.block, ap_models.get(model))
+        plain = adjust_block(strip.block, ap_models.get(model), compiled=False)
+        assert a.status.ok, a.message
+        assert (np.abs(a.x - plain.x) <= 1e-8 * plain.std + 1e-12).all()
+
+    @pytest.mark.parametrize("ids", [(), ("16/0",), ("0/2", "30/-2")])
+    def test_it_explains_itself_as_any_other(self, strip: synthetic.World, ids: tuple[str, ...]) -> None:
+        w = strip.controlled(ids)
+        a, plain = (adjust_block(w.block, ap_models.get("optical"), compiled=c) for c in (True, False))
+        assert a.status is Status.SINGULAR
+        assert a.message == plain.message

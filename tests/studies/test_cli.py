@@ -173,9 +173,12 @@ def test_interrupt_exits_130(folder, monkeypatch):
 def test_termination_exits_143(tmp_path):
     """Once the first flights are under way, so that the signal finds the command at work."""
     call_it = [sys.executable, "-c", "from studies.cli import main; main()", "reproduce", "mauelshagen-1980"]
-    with subprocess.Popen([*call_it, "--jobs", "1", "--out", str(tmp_path)], stderr=subprocess.PIPE) as process:
+    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
+    with subprocess.Popen([*call_it, "--jobs", "1", "--out", str(tmp_path)], **pipes) as process:
         assert process.stderr is not None
-        while b"flights" not in process.stderr.read(10):
+        said = b""
+        while b"flights" not in said:
+            said += process.stderr.read(1)
             assert process.poll() is None
         process.terminate()
         assert process.wait(timeout=30) == 143

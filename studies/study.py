@@ -1,0 +1,228 @@
+"""The study file: a question, its factors, methods and trials, read from TOML with every fault named at once.
+
+    [study]      name, question, seed
+    [trials]     max, min, block (trials a shard, a multiple of 32), target_mcse = {measure = standard error}
+    [scenario]   preset and changes to it, as in a scenario file
+    [factors]    own names for dotted paths of the scenario: lens = {paths = ["effects[0].effect.k1"], times = true}
+    [grid]       crossed factors with their levels        [[zip]]      factors that move together
+    [[exclude]]  levels that are left out                 [[include]]  conditions that are added
+    [methods]    crossed: ap, cameras, aux_points, image_um, control_mm
+    [paired]     factors that share their random numbers; against = the levels that methods are compared with
+    [report]     x (a factor), measures to draw, least_correlation
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import re
+import tomllib
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field, fields, replace
+from functools import cache
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from simfield.scenario_faults import nearest, shown
+
+if TYPE_CHECKING:
+    from pydantic import TypeAdapter
+    from pydantic_core import ErrorDetails
+
+NAME = re.compile(r"[a-z0-9_-]{1,64}\Z")
+LARGEST_FILE = 256 * 1024
+LARGEST_NUMBER = 2**63 - 1
+LEAST_TRIALS = 500
+"""no condition is stopped early before it has so many trials: an early standard error is too easily too small"""
+LANES = 32
+"""trials that are computed side by side; a shard holds a multiple of them"""
+
+
+class StudyError(ValueError):
+    """A study file that cannot be used; one line for each fault: place, what was found, what is allowed."""
+
+
+@dataclass(frozen=True)
+class Heading:
+    """What the study is called and what it asks."""
+
+    name: str
+    question: str
+    seed: int
+
+
+@dataclass(frozen=True)
+class Trials:
+    """How many trials a condition gets: at most max; from min on it stops when every target_mcse is reached."""
+
+    max: int = 1000
+    min: int = LEAST_TRIALS
+    block: int = 512
+    target_mcse: Mapping[str, float] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Factor:
+    """Where a factor acts in the scenario; times: its levels multiply what stands there instead of replacing it."""
+
+    paths: tuple[str, ...]
+    times: bool = False
+
+
+@dataclass(frozen=True)
+class Paired:
+    """factors share their random numbers between levels; methods are compared with those of the levels `against`."""
+
+    factors: tuple[str, ...] = ()
+    against: Mapping[str, Any] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Report:
+    """What the figures show: measures over the factor x, and correlations from least_correlation on."""
+
+    x: str = ""
+    measures: tuple[str, ...] = ("m0_um", "mu_xy_mm", "mu_z_mm", "coverage_z")
+    least_correlation: float = 0.3
+
+
+@dataclass(frozen=True)
+class Study:
+    """A study as its file says it; `text` is the file itself."""
+
+    study: Heading
+    scenario: Mapping[str, Any]
+    methods: Mapping[str, tuple[Any, ...]]
+    trials: Trials = field(default_factory=Trials)
+    factors: Mapping[str, str | Factor] = field(default_factory=dict)
+    grid: Mapping[str, tuple[Any, ...]] = field(default_factory=dict)
+    zip: tuple[Mapping[str, tuple[Any, ...]], ...] = ()
+    exclude: tuple[Mapping[str, Any], ...] = ()
+    include: tuple[Mapping[str, Any], ...] = ()
+    paired: Paired = field(default_factory=Paired)
+    report: Report = field(default_factory=Report)
+    text: str = ""
+
+    @property
+    def name(self) -> str:
+        return self.study.name
+
+    def with_changes(self, *, trials: int | None = None, seed: int | None = None) -> Study:
+        """The study with another number of trials or another seed, as given on the command line."""
+        changed = self
+        if trials is not None:
+            changed = replace(changed, trials=replace(self.trials, max=trials))
+        if seed is not None:
+            changed = replace(changed, study=replace(self.study, seed=seed))
+        return changed
+
+
+def read_study(path: Path | str) -> Study:
+    """Read a study file. Raises StudyError with one line for each fault, and OSError if there is no such file."""
+    with Path(path).open("rb") as stream:
+        raw = stream.read(LARGEST_FILE + 1)
+    try:
+        return study_from_text(_decoded(raw))
+    except StudyError as error:
+        raise StudyError("\n".join(f"{path}: {line}" for line in str(error).splitlines())) from None
+
+
+def study_from_text(text: str) -> Study:
+    """The study that a TOML text says. Raises StudyError."""
+    try:
+        table = tomllib.loads(text)
+    except RecursionError:
+        raise StudyError("no TOML: brackets or tables are nested too deeply") from None
+    except ValueError as error:  # tomllib's own, and numbers of thousands of digits
+        raise StudyError(f"no TOML: {str(error).splitlines()[0]}") from None
+    faults = list(_impossible(table, ""))
+    if faults:
+        raise StudyError("\n".join(faults))
+    return _checked(table, text)
+
+
+def _decoded(raw: bytes) -> str:
+    if len(raw) > LARGEST_FILE:
+        raise StudyError(f"the file has more than {LARGEST_FILE // 1024} KB, a study file has a few")
+    if raw.startswith(b"\xef\xbb\xbf"):
+        raise StudyError("line 1: the file begins with a byte-order mark; save it as UTF-8 without one")
+    if b"\0" in raw:
+        raise StudyError(f"line {raw[: raw.index(0)].count(b'\n') + 1}: there is a NUL byte; this is no text file")
+    try:
+        return raw.decode("utf-8")
+    except UnicodeDecodeError as error:
+        line = raw[: error.start].count(b"\n") + 1
+        raise StudyError(f"line {line}: byte {raw[error.start]:#04x} is no UTF-8") from None
+
+
+def _impossible(node: Any, place: str) -> Iterator[str]:
+    """A line for each number that is none, for each that is too long and for each date."""
+    if isinstance(node, dict):
+        for key, value in node.items():
+            yield from _impossible(value, f"{place}.{key}".removeprefix("."))
+    elif isinstance(node, list):
+        for number, value in enumerate(node):
+            yield from _impossible(value, f"{place}[{number}]")
+    elif isinstance(node, float) and not math.isfinite(node):
+        yield f"{place}: found {node}, allowed: finite numbers"
+    elif isinstance(node, int) and abs(node) > LARGEST_NUMBER:
+        yield f"{place}: found a whole number beyond 2^63, allowed: smaller ones"
+    elif not isinstance(node, str | int | float | bool):
+        yield f"{place}: found {shown(node)}, allowed: no dates or times"
+
+
+def _checked(table: Mapping[str, Any], text: str) -> Study:
+    from pydantic import ValidationError
+
+    from studies.study_faults import faults_of
+
+    if "text" in table:
+        raise StudyError(f"text: unknown key{nearest('text', known_keys())}")
+    try:
+        study = _adapter().validate_json(json.dumps(table), strict=True)
+    except ValidationError as error:
+        lines = dict.fromkeys(_fault_line(d, table) for d in error.errors(include_url=False))
+        raise StudyError("\n".join(lines)) from None
+    except RecursionError:
+        raise StudyError("tables are nested too deeply") from None
+    faults = faults_of(study)
+    if faults:
+        raise StudyError("\n".join(dict.fromkeys(faults)))
+    return replace(study, text=text)
+
+
+@cache
+def _adapter() -> TypeAdapter[Study]:
+    from pydantic import ConfigDict, TypeAdapter, with_config
+
+    for table in (Study, *TABLES.values()):
+        with_config(ConfigDict(extra="forbid", allow_inf_nan=False))(table)
+    return TypeAdapter(Study)
+
+
+TABLES: Mapping[str, type[Any]] = {
+    "study": Heading,
+    "trials": Trials,
+    "factors": Factor,
+    "paired": Paired,
+    "report": Report,
+}
+
+
+def known_keys(place: tuple[int | str, ...] = ()) -> list[str]:
+    """The keys that the table at a place can have."""
+    table = TABLES.get(str(place[0]), Study) if place else Study
+    return [f.name for f in fields(table) if f.name != "text"]
+
+
+def _fault_line(detail: ErrorDetails, table: Any) -> str:
+    steps = tuple(s for s in detail["loc"] if s not in ("str", "Factor"))
+    place = "".join(f"[{s}]" if isinstance(s, int) else f".{s}" for s in steps).removeprefix(".") or "study"
+    if detail["type"] == "unexpected_keyword_argument":
+        return f"{place}: unknown key{nearest(str(steps[-1]), known_keys(steps[:-1]))}"
+    if detail["type"] == "missing":
+        return f"{place}: is missing"
+    if steps[0] == "factors":
+        return f"{place}: found {shown(detail['input'])}, allowed: a dotted path, or {{paths = [...], times = true}}"
+    allowed = detail["msg"].removeprefix("Input should be ").replace("an object", "a table").replace("a valid", "a")
+    return f"{place}: found {shown(detail['input'])}, allowed: {allowed.replace('array', 'list')}"
