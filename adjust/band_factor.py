@@ -18,9 +18,12 @@ from simfield.block import Floats, Indices
 
 @dataclass(frozen=True, eq=False)
 class BandFactor:
-    """scale (6m + A) in the order of x; band: Cholesky factor of the scaled B in LAPACK's lower band form; solved (6m, A)
-    = B^-1 C; corner (A, A): Cholesky factor of what is left of D; order (6m): the place in the band of every exterior
-    unknown; root (n, 3, 3) = L_V^-1 of every point; white (k, 3, 6), white_a (n, 3, A): L_V^-1 W by observations and sets.
+    """The factors of a bordered band.
+
+    scale (6m + A) in the order of x; band: Cholesky factor of the scaled B in LAPACK's lower band form; border (6m, A)
+    the scaled C and solved (6m, A) = B^-1 C; corner (A, A): Cholesky factor of what is left of D; order (6m): the place
+    in the band of every exterior unknown; root (n, 3, 3) = L_V^-1 of every point; white (k, 3, 6), white_a (n, 3, A):
+    L_V^-1 W by observations and sets; image, point (k).
     """
 
     scale: Floats

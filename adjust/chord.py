@@ -227,13 +227,18 @@ class Workspace:
         images, size = len(layout.block.images), len(chord.nominal.x)
         widths = [len(s.model.parameters) for s in layout.sets]
         return cls(
-            *(np.empty((size, LANES)) for _ in range(4)),
-            np.empty((3 * len(layout.block.points), LANES)),
-            *(np.empty((size, LANES), dtype=np.float32) for _ in range(2)),
-            np.empty((len(layout.block.observations), 2, LANES)),
-            *(np.empty((images, 3, LANES)) for _ in range(2)),
-            tuple(np.empty((images, kernels.PARAMETERS + a, LANES)) for a in widths),
-            tuple(np.empty((images, kernels.PULL + a, LANES)) for a in widths),
+            x=np.empty((size, LANES)),
+            y=np.empty((size, LANES)),
+            start=np.empty((size, LANES)),
+            gradient=np.empty((size, LANES)),
+            given=np.empty((3 * len(layout.block.points), LANES)),
+            scaled=np.empty((size, LANES), dtype=np.float32),
+            change=np.empty((size, LANES), dtype=np.float32),
+            xy=np.empty((len(layout.block.observations), 2, LANES)),
+            sine=np.empty((images, 3, LANES)),
+            cosine=np.empty((images, 3, LANES)),
+            contexts=tuple(np.empty((images, kernels.PARAMETERS + a, LANES)) for a in widths),
+            sums=tuple(np.empty((images, kernels.PULL + a, LANES)) for a in widths),
         )
 
 

@@ -18,8 +18,8 @@ def linearise(
 ) -> float:  # fmt: skip
     """Corrections and derivatives without additional parameters; returns the least depth.
 
-    exterior (m, 6), rotation (m, 3, 3), interior (m, 3), points (n, 3), starts (m + 1), point (k), xy (k, 2). On entry v
-    (k, 2) holds d(measured); on return projected + d(measured) - measured. by_exterior (k, 2, 6), by_point (k, 2, 3).
+    exterior (m, 6), rotation (m, 3, 3), interior (m, 3), points (n, 3), starts (m + 1), point (k), xy (k, 2). On entry
+    v (k, 2) holds d(measured); on return projected + d(measured) - measured. by_exterior (k, 2, 6), by_point (k, 2, 3).
     A small turn about the object axis a changes the projection by -by_point (a x ray); the angles turn about e1, R1 e2
     and R e3.
     """
@@ -161,7 +161,7 @@ def whiten(point: Any, lower: Any, pe: Any, out: Any) -> None:
 
 @numba.njit(cache=True, error_model="numpy")
 def scatter(starts: Any, point: Any, white: Any, dense: Any) -> None:
-    """The whitened blocks white (k, 3, 6) into the rows of their points and the columns of their images, (3n, 6m + A)."""
+    """white (k, 3, 6) into dense (3n, 6m + A): the rows of their points, the columns of their images."""
     for i in range(starts.size - 1):
         for k in range(starts[i], starts[i + 1]):
             for j in range(3):
@@ -175,8 +175,8 @@ def reduce_band(
 ) -> None:
     """Subtract what the eliminated points contribute: band and border of the reduced matrix.
 
-    ray_starts (n + 1), rays (k): the observations of every point; image (k); place (m): the position of each image in the
-    band's order; white (k, 3, 6), white_a (n, 3, A). band (6m, w): band[c, r - c] holds row r >= c of column c;
+    ray_starts (n + 1), rays (k): the observations of every point; image (k); place (m): the position of each image
+    in the band's order; white (k, 3, 6), white_a (n, 3, A). band (6m, w): band[c, r - c] holds row r >= c of column c;
     border (6m, A) in the band's order.
     """
     for p in range(ray_starts.size - 1):

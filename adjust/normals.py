@@ -23,8 +23,8 @@ from adjust.observations import Observations
 from simfield.block import Floats
 
 CONDITION_LEAST = 3e-15
-"""smallest reciprocal condition number of the scaled reduced matrix. Singular blocks come out below 2e-16, control that is
-known to 1 km still at 2e-13. The last pivots do not tell: after two weak ones a singular matrix can end on 1e-8."""
+"""smallest reciprocal condition number of the scaled reduced matrix. Singular blocks come out below 2e-16, control
+that is known to 1 km still at 2e-13. Pivots do not tell: after two weak ones a singular matrix can end on 1e-8."""
 PROBES = 4
 DETERMINANT_LEAST = 1e-13
 """smallest determinant of a scaled point block: that of two rays which differ by 6e-7 rad"""
@@ -174,7 +174,7 @@ def reciprocal_condition(lower: Floats, matrix: Floats) -> float:
 
 
 def inverse_norm(solve: Callable[[Floats], Floats], size: int) -> float:
-    """|M^-1| by inverse iteration, two steps from four random vectors, always the same; solve gives M^-1 b, b (size, 4).
+    """|M^-1| by inverse iteration, two steps from four random vectors, always the same; solve(b) is M^-1 b.
 
     LAPACK's estimator starts from a vector of ones, which is orthogonal to the null vector of two equal columns,
     (1, -1): it sees nothing of the commonest defect of all.
@@ -187,7 +187,7 @@ def inverse_norm(solve: Callable[[Floats], Floats], size: int) -> float:
 
 
 def _root_of_point_blocks(pp: Floats, size: int) -> Floats:
-    """L^-1 (n, 3, 3) of V = L L^T, by scaled blocks. Raises SingularError for the first point that its rays do not determine."""
+    """L^-1 (n, 3, 3) of V = L L^T, by scaled blocks. Raises SingularError for the first undetermined point."""
     diagonal = np.einsum("nii->ni", pp)
     scale = 1.0 / np.sqrt(np.where(diagonal > 0.0, diagonal, 1.0))
     scaled = pp * scale[:, :, None] * scale[:, None, :]

@@ -1,7 +1,7 @@
 """Singular normal equations explained: what is not determined, in words that a surveyor can act on.
 
 The null space of the reduced matrix is taken apart in this order: images that their own points do not orient; the datum
-(similarity transformations of the whole block that move no control); and what is left, unknowns that cannot be separated.
+(similarity transformations of the whole block that move no control); what is left, unknowns not to be separated.
 All vectors here belong to the scaled matrix: a change dx of the unknowns appears as dx / scale.
 """
 
@@ -142,7 +142,7 @@ def _full_control(u: Unknowns) -> list[int]:
 
 
 def _pivot(u: Unknowns, x: Floats) -> Floats:
-    """(3) the point about which the block is turned and scaled: a control point, so that it need not be shifted as well."""
+    """(3) about what the block is turned and scaled: a control point, so that it need not be shifted as well."""
     at = u.points(x)
     full = _full_control(u)
     if full:

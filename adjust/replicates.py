@@ -30,7 +30,7 @@ TASK = 16 * LANES
 
 
 class ImagePointTrials(Protocol):
-    """Image coordinates of many trials: an array (t, k, 2), or an object that draws such slices when they are asked for."""
+    """Image coordinates of many trials: an array (t, k, 2), or an object that draws such slices on demand."""
 
     def __len__(self) -> int: ...
 

@@ -61,7 +61,8 @@ def solve(observations: Observations, start: Floats, arithmetic: Arithmetic) -> 
     if behind:
         return Solution(start, Status.BEHIND_CAMERA, behind, 0)
     rounding = ROUNDING * observations.magnitude
-    x, normals, factor = start, arithmetic.at(start), None
+    x, normals = start, arithmetic.at(start)
+    factor: Any = None
     chord, length = False, np.inf
     for iteration in range(1, ITERATIONS_MOST + 1):
         if not normals.finite:

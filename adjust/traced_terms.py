@@ -1,7 +1,7 @@
 """The terms of an AP model as one compiled function, traced from its declaration.
 
-A model's `terms` is run once on symbols; every operation is recorded once, the record is written out as scalar code, and
-that is compiled. A model that does more than arithmetic, square roots and the like cannot be traced; it raises
+A model's `terms` is run once on symbols; every operation is recorded once, the record is written out as scalar code,
+and that is compiled. A model that does more than arithmetic, square roots and the like cannot be traced; it raises
 UntraceableError, and callers fall back to its numpy basis.
 """
 
@@ -143,7 +143,10 @@ def compile_gradient(model: ApModel) -> Callable[..., Any]:
         if forces:
             pulls.append(f"sums[{kernels.PULL + j}, t] += {' + '.join(forces)}")
     dx, dy = (" + ".join(total) or "0.0" for total in distortion)
-    return _load(_source(record.lines, [f"return {dx}, {dy}"], pulls or ["pass"])).gradient_block
+    gradient: Callable[..., Any] = _load(
+        _source(record.lines, [f"return {dx}, {dy}"], pulls or ["pass"])
+    ).gradient_block
+    return gradient
 
 
 def _source(lines: list[str], distortion: list[str], pulls: list[str]) -> str:
@@ -196,7 +199,8 @@ def _load(source: str) -> ModuleType:
         temporary.write_text(text, encoding="utf-8")
         temporary.replace(path)
     spec = importlib.util.spec_from_file_location(name, path)
-    assert spec is not None and spec.loader is not None
+    assert spec is not None
+    assert spec.loader is not None
     module = importlib.util.module_from_spec(spec)
     sys.modules[name] = module
     spec.loader.exec_module(module)

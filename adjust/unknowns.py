@@ -1,8 +1,8 @@
 """What is unknown in a block: exterior orientations, additional parameters, point coordinates.
 
-The working vector x holds, in this order, 6 elements for every image, the additional parameters of every set, and
-3 coordinates for every point. The first two kinds are the orientation unknowns (their number is `orientation`); the points
-behind them are eliminated. Coordinates held fixed stay in x and are marked in `free`, so indices never shift.
+The working vector x holds, in this order, 6 elements for every image, the additional parameters of every set, and 3
+coordinates for every point. The first two kinds are the orientation unknowns (their number is `orientation`); the
+points behind them are eliminated. Coordinates held fixed stay in x and are marked in `free`, so indices never shift.
 Object coordinates are reduced to `origin`, which keeps digits in large national coordinates.
 """
 
@@ -107,7 +107,7 @@ class Unknowns:
 
 
 def _origin(block: Block) -> Floats:
-    """The rounded median of what is known, check points apart (they must not touch the result, not even by rounding)."""
+    """The rounded median of what is known, check points apart: they must not touch the result, not even by rounding."""
     used = block.points.role != "check"
     known = np.vstack([block.points.coordinates[used], block.images.exterior[:, :3] * [1.0, 1.0, np.nan]])
     origin = np.zeros(3)

@@ -9,7 +9,6 @@ from adjust.replicates import Replicates, adjust_replicates
 from adjust.rotation import rotation_matrices
 from benchmarks.problem import Answer, Problem
 from simfield.block import Floats
-from simfield.simulate import World
 
 
 class AdjustBlock:
@@ -35,25 +34,12 @@ class AdjustBlock:
         return f"{self.adjustment.iterations} steps, {self.adjustment.unknowns} unknowns"
 
 
-class DrawnTrials:
-    """Trials of a world that are drawn when a slice of them is asked for: drawing is part of the time measured."""
-
-    def __init__(self, world: World, count: int) -> None:
-        self.world, self.count = world, count
-
-    def __len__(self) -> int:
-        return self.count
-
-    def __getitem__(self, trials: slice, /) -> Floats:
-        return np.stack([self.world.image_points(trial) for trial in range(*trials.indices(self.count))])
-
-
 class AdjustReplicates:
-    """Timed is adjust_replicates over `count` trials in one process, with the nominal adjustment and the drawing."""
+    """Timed is adjust_replicates over `count` trials in one process, the drawing included."""
 
     def __init__(self, problem: Problem, form: str, count: int) -> None:
         self.problem, self.form, self.count, self.model = problem, form, count, problem.model(form)
-        self.trials = DrawnTrials(problem.world, count)
+        self.trials = problem.world.draws(0, count)
 
     def prepare(self, trial: int) -> None:
         self.trial = trial

@@ -17,7 +17,7 @@ from simfield.counter_normals import Words, normal_pairs
 
 @dataclass(frozen=True, eq=False)
 class ImageNoise:
-    """Normal errors of k observations: sigma (k) mm, a key of two 32-bit words, the counters place (k) and image (k)."""
+    """Normal errors of k observations: sigma (k) mm, a key of two 32-bit words, counters place (k) and image (k)."""
 
     sigma: Floats
     key: tuple[int, int]

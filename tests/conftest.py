@@ -15,7 +15,7 @@ def ww_world() -> synthetic.World:
 
 @pytest.fixture(scope="session")
 def vertical_world() -> synthetic.World:
-    """The same flight without any tilt over a field without any relief: the classic case of what cannot be separated."""
+    """The same flight without any tilt over a field without relief: the classic case of what cannot be separated."""
     flight = synthetic.fly(synthetic.WW, 10500.0, tilt_rad=0.0)
     return synthetic.world([(synthetic.WW, flight)], synthetic.quincunx(relief_m=0.0))
 

@@ -1,6 +1,6 @@
 """Small blocks with a known truth, made without the product's simulator, which is itself one of the things under test.
 
-The projection here is scalar, typed from the nine elements of the rotation matrix as photogrammetry textbooks print them
+The projection is scalar, typed from the nine elements of the rotation matrix as photogrammetry textbooks print them
 (Kraus, Photogrammetry, vol. 2, appendix; omega primary, phi secondary, kappa tertiary), and shares no line with the
 product. Angles in radians, object coordinates in metres, image coordinates in millimetres.
 """
@@ -58,7 +58,7 @@ def distort(ideal: Floats, model: ApModel, coefficients: Floats) -> Floats:
 
 @dataclass(frozen=True, eq=False)
 class World:
-    """A block and what nobody tells the adjustment: exterior (m, 6), coordinates (n, 3), ap by camera, ideal image points."""
+    """A block, and what nobody tells the adjustment: exterior (m, 6), coordinates (n, 3), models and ap by camera."""
 
     block: Block
     exterior: Floats
@@ -95,7 +95,7 @@ class World:
         return self.with_image_points(o.xy + o.sigma * rng.standard_normal(o.xy.shape))
 
     def controlled(self, ids: Sequence[str], sigma: Sequence[float] = (0.0, 0.0, 0.0)) -> World:
-        """Exactly the points `ids` as control, with the true coordinates and sigma (NaN: that coordinate is unknown)."""
+        """Exactly the points `ids` as control, with the true coordinates and sigma (NaN: coordinate unknown)."""
         p = self.block.points
         chosen = np.isin(p.ids, ids)
         assert chosen.sum() == len(ids), "a control point is missing from this world"
@@ -110,7 +110,7 @@ class World:
 def quincunx(
     spacing_m: float = 500.0, relief_m: float = 40.0, per_group: int = 1, seed: int = 7
 ) -> dict[str, list[float]]:
-    """5 x 5 groups and the 4 x 4 between, ids as on the ground: 11..55, centres 16..49; a, b for further points of a group."""
+    """5 x 5 groups 11..55 and the 4 x 4 between, 16..49; a, b, ... for further points of a group."""
     rng = np.random.default_rng(seed)
     field: dict[str, list[float]] = {}
     for row in range(5):
@@ -141,7 +141,7 @@ def fly(
     for heading in headings:
         for along in (-base, 0.0, base):
             position = [along * math.cos(heading), along * math.sin(heading), camera.c_mm / 1000.0 * scale]
-            angles = rng.normal(0.0, tilt_rad, 3) + [0.0, 0.0, heading]
+            angles = np.add(rng.normal(0.0, tilt_rad, 3), [0.0, 0.0, heading])
             images.append([*np.add(position, rng.normal(0.0, 0.01 * position[2], 3) * (tilt_rad > 0.0)), *angles])
     return np.array(images)
 
@@ -184,7 +184,7 @@ def world(
             xy[mine] = distort(xy[mine], models[camera.camera_id], ap[camera.camera_id])
     ids = tuple(name for name, k in zip(names, kept, strict=True) if k)
     coordinates = np.array([field[name] for name in ids]) + shift
-    exterior = exterior + [*shift, 0.0, 0.0, 0.0]
+    exterior = np.add(exterior, [*shift, 0.0, 0.0, 0.0])
     is_control = np.isin(ids, control)
     points = Points(
         ids,

@@ -117,7 +117,7 @@ def test_a_point_in_the_plane_of_the_projection_centre_has_no_image_and_makes_no
 
 @pytest.mark.parametrize("model", ["none", "optical", "torlegard", "brown14"])
 def test_the_whole_design_matrix(two_camera_world: synthetic.World, model: str) -> None:
-    """Columns of images, additional parameters of both cameras, points and weighted control, at a place off the minimum."""
+    """Columns of images, additional parameters of both cameras, points and weighted control, away from the minimum."""
     w = two_camera_world.controlled(synthetic.CONTROL, (0.01, 0.0, 0.02))
     unknowns = Unknowns.of(w.block, ap_models.get(model))
     observations = Observations.of(w.block, unknowns)

@@ -1,4 +1,4 @@
-"""What cannot be adjusted ends with a status and a sentence that names the defect; nothing is raised, nothing warned."""
+"""What cannot be adjusted ends with a status and a sentence that names the defect; nothing is raised or warned."""
 
 from __future__ import annotations
 
@@ -320,8 +320,8 @@ class TestStart:
         "mistake",
         [
             pytest.param(lambda a: np.mod(np.rad2deg(a), 2 * np.pi), id="degrees taken for radians"),
-            pytest.param(lambda a: a + [np.pi, 0.0, 0.0], id="upside down"),
-            pytest.param(lambda a: a + [0.0, 0.0, np.pi], id="kappa off by 180 degrees"),
+            pytest.param(lambda a: np.add(a, [np.pi, 0.0, 0.0]), id="upside down"),
+            pytest.param(lambda a: np.add(a, [0.0, 0.0, np.pi]), id="kappa off by 180 degrees"),
             pytest.param(lambda a: -a, id="signs"),
         ],
     )

@@ -1,8 +1,8 @@
 """Known distortions in noise-free images come back.
 
 What limits the digits: image coordinates of 100 mm are rounded to 1.4e-14 mm, a distortion of 0.01 mm therefore to a
-part in 1e-12, and the residuals of an adjustment to 1e-11 of their standard deviation. The adjustment loses no more than
-a digit on top. In national coordinates of 5e6 m, the control is rounded to 5e-10 m, 5e-11 mm in the image: that costs
+part in 1e-12, and the residuals of an adjustment to 1e-11 of their standard deviation. The adjustment loses no more
+than a digit on top. In national coordinates of 5e6 m, the control is rounded to 5e-10 m, 5e-11 mm in the image: that costs
 three more digits and no algorithm brings them back.
 """
 

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from adjust import adjust_block, ap_models, initial
-from adjust.normals import assemble, factorise
+from adjust import Status, adjust_block, ap_models, initial
+from adjust.band_factor import BandFactor
+from adjust.compiled_normals import Compiled
+from adjust.normals import Plain
 from adjust.observations import Observations
 from adjust.precision import Cofactors
 from adjust.unknowns import Unknowns
@@ -47,16 +51,22 @@ def controlled(world: synthetic.World, control: str) -> synthetic.World:
 @pytest.mark.parametrize("control", CONTROL)
 @pytest.mark.parametrize("model", ["none", "optical", "torlegard", "brown14"])
 @pytest.mark.parametrize("cameras", [1, 2])
+@pytest.mark.parametrize("arithmetic", [Plain, Compiled])
 def test_step_and_cofactors(
-    ww_world: synthetic.World, two_camera_world: synthetic.World, cameras: int, model: str, control: str
+    ww_world: synthetic.World,
+    two_camera_world: synthetic.World,
+    arithmetic: type[Plain] | type[Compiled],
+    cameras: int,
+    model: str,
+    control: str,
 ) -> None:
     w = controlled(ww_world if cameras == 1 else two_camera_world, control).with_noise(np.random.default_rng(2))
     unknowns = Unknowns.of(w.block, ap_models.get(model))
     observations = Observations.of(w.block, unknowns)
     x = initial.values(unknowns, observations.image_points)
     full = dense.solve(observations, x)
-    normals = assemble(observations, x)
-    factor = factorise(normals)
+    normals = arithmetic(observations).at(x)
+    factor = arithmetic(observations).factorise(normals)
 
     std = np.sqrt(np.diag(full.inverse))
     step, length = factor.step(normals)

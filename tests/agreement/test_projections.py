@@ -63,7 +63,7 @@ def test_particular_attitudes(omega_deg: float, phi_deg: float, kappa_deg: float
 def test_they_agree_on_what_lies_behind() -> None:
     rng = np.random.default_rng(3)
     exterior = np.r_[0.0, 0.0, 1500.0, 0.3, -0.2, 2.0]
-    points = rng.uniform(-3000.0, 3000.0, (200, 3)) + [0.0, 0.0, 1500.0]
+    points = exterior[:3] + rng.uniform(-3000.0, 3000.0, (200, 3))
     interior = np.array([[CAMERA.c_mm, CAMERA.x0_mm, CAMERA.y0_mm]])
     _, depth = project(exterior[None], interior, points, np.zeros(200, dtype=int))
     nowhere = np.isnan(ideal_image(exterior[None], [MODEL], points)[0]).all(axis=1)

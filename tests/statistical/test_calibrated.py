@@ -1,7 +1,7 @@
 """Does the engine promise what it keeps: sigma0 is 1 and 95 % intervals hold in 95 % of all blocks.
 
-Noise as stated, control free of error, and the truth within the set of additional parameters. Seeds are fixed: the tests
-say the same every time. A correct engine passes each comparison at three standard errors with 997 of 1000 seeds.
+Noise as stated, control free of error, and the truth within the set of additional parameters. Seeds are fixed, so the
+tests say the same every time. A correct engine passes each comparison at three standard errors with 997 of 1000 seeds.
 """
 
 from __future__ import annotations
