@@ -76,6 +76,11 @@ class Adjustment:
     def redundancy(self) -> int:
         return self.observations - self.unknowns
 
+    @property
+    def regular(self) -> Adjustment:
+        """The adjustment with regular normal equations that has the same residuals: this one, unless the datum is free."""
+        return self
+
     @cached_property
     def residuals(self) -> Floats:
         """v (k, 2) of the image coordinates, mm, in the order of the block."""

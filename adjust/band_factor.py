@@ -52,6 +52,21 @@ class BandFactor:
         top = scipy.linalg.cho_solve_banded((self.band, True), top - self.border @ below, check_finite=False)
         return np.asarray(np.concatenate([top[self.order], below]) * scale)
 
+    def spread(self, at: Indices) -> Floats:
+        """(len(at), E): rows of [I; -V^-1 W], by which the unknowns at these places hang on the orientation."""
+        size, images = len(self.scale), len(self.order)
+        rows = np.zeros((len(at), size))
+        for row, place in zip(rows, at, strict=True):
+            if place < size:
+                row[place] = 1.0
+                continue
+            point, axis = divmod(int(place) - size, 3)
+            rays = np.flatnonzero(self.point == point)
+            hanging = np.einsum("q,kqj->kj", self.root[point, :, axis], self.white[rays])
+            row[(6 * self.image[rays][:, None] + np.arange(6)).ravel()] = -hanging.ravel()
+            row[images:] = -self.root[point, :, axis] @ self.white_a[point]
+        return rows
+
     def step(self, normals: Any) -> tuple[Floats, float]:
         """The Gauss-Newton step -N^-1 g as one vector, and its length in standard deviations, (g^T N^-1 g)^(1/2)."""
         m6 = len(self.order)

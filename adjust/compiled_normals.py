@@ -22,8 +22,9 @@ from adjust.observations import Observations
 from adjust.rotation import rotation_matrices
 from simfield.block import Floats, Indices
 
-DENSE_MOST = 1500
-"""orientation unknowns up to which the reduced matrix is always dense: 18 MB, and a factorisation in some 50 ms"""
+BLAS_RATE, LOOP_RATE, BAND_RATE = 15.0, 1.2, 4.0
+"""multiplications a nanosecond of dense products, of the loop over pairs of rays, and of the banded factorisation;
+only their ratios matter, for the choice between a dense and a banded matrix"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -160,7 +161,7 @@ class Compiled:
         white = np.empty_like(normals.pe)
         loops.whiten(g.point, root, normals.pe, white)
         white_a = root @ normals.pa
-        if size <= DENSE_MOST or not self.ordering.narrow:
+        if not self.ordering.banded:
             return self._dense(normals, root, white, white_a, condition_least)
         try:
             return banded(normals, self.ordering, g, root, white, white_a, condition_least)
@@ -209,10 +210,13 @@ class Ordering:
     ray_starts: Indices
     rays: Indices
 
-    @property
-    def narrow(self) -> bool:
-        """Whether a band saves work against a dense matrix."""
-        return 3 * self.reach < len(self.place)
+    @cached_property
+    def banded(self) -> bool:
+        """Whether a band is less work than a dense matrix."""
+        points, size, width = len(self.ray_starts) - 1, 6.0 * len(self.place), 6.0 * (self.reach + 1)
+        pairs = float(np.sum(np.diff(self.ray_starts) ** 2)) / 2
+        dense = (1.5 * points * size**2 + size**3 / 6) / BLAS_RATE
+        return bool(108 * pairs / LOOP_RATE + size * width**2 / BAND_RATE < dense)
 
     @classmethod
     def of(cls, observations: Observations) -> Ordering:

@@ -20,7 +20,7 @@ import numpy as np
 import scipy.linalg
 
 from adjust.observations import Observations
-from simfield.block import Floats
+from simfield.block import Floats, Indices
 
 CONDITION_LEAST = 3e-15
 """smallest reciprocal condition number of the scaled reduced matrix. Singular blocks come out below 2e-16, control
@@ -135,6 +135,16 @@ class Factor:
     def eliminated(self) -> Floats:
         """V^-1 W (n, 3, E)."""
         return np.asarray(self.root.transpose(0, 2, 1) @ self.white)
+
+    def spread(self, at: Indices) -> Floats:
+        """(len(at), E): rows of [I; -V^-1 W], by which the unknowns at these places hang on the orientation."""
+        size = len(self.scale)
+        rows = np.zeros((len(at), size))
+        inside, outside = np.flatnonzero(at < size), np.flatnonzero(at >= size)
+        rows[inside, at[inside]] = 1.0
+        point, axis = np.divmod(at[outside] - size, 3)
+        rows[outside] = -np.einsum("kq,kqe->ke", self.root[point, :, axis], self.white[point])
+        return rows
 
     def step(self, normals: Normals) -> tuple[Floats, float]:
         """The Gauss-Newton step -N^-1 g as one vector, and its length in standard deviations, (g^T N^-1 g)^(1/2)."""

@@ -103,8 +103,12 @@ class ImagePoints:
 
 @dataclass(frozen=True, eq=False)
 class ControlCoordinates:
-    """Weighted control: coordinates that are observations of themselves. columns (q) in x, given and weight (q)."""
+    """Weighted control: coordinates that are observations of themselves. columns (q) in x, given and weight (q).
 
+    coordinates (q) counts all coordinates of all points, three a point.
+    """
+
+    coordinates: Indices
     columns: Indices
     given: Floats
     weight: Floats
@@ -113,7 +117,7 @@ class ControlCoordinates:
     def of(cls, block: Block, unknowns: Unknowns) -> ControlCoordinates:
         at = np.flatnonzero(block.points.weighted.ravel())
         given = (block.points.coordinates - unknowns.origin).ravel()[at]
-        return cls(unknowns.orientation + at, given, 1.0 / block.points.sigma.ravel()[at] ** 2)
+        return cls(at, unknowns.orientation + at, given, 1.0 / block.points.sigma.ravel()[at] ** 2)
 
     def residuals(self, x: Floats) -> Floats:
         """v (q), m."""
@@ -132,8 +136,15 @@ class Observations:
         return cls(ImagePoints.of(block, unknowns), ControlCoordinates.of(block, unknowns))
 
     @property
-    def count(self) -> int:
+    def rows(self) -> int:
+        """The number of observations, those of weight 0 included."""
         return 2 * len(self.image_points.image) + len(self.control.columns)
+
+    @property
+    def count(self) -> int:
+        """The number of observations that count: an observation of weight 0 is rejected."""
+        rejected = np.sum(self.image_points.weight == 0.0) + np.sum(self.control.weight == 0.0)
+        return self.rows - int(rejected)
 
     def cost(self, x: Floats) -> float:
         """vPv; infinite when a point lies behind a camera."""

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pycolmap
 
 from benchmarks.problem import IDEAL4, TO_VISION, Answer, Problem
 
+OTHER_TRIAL = 1_000_000
 FORMAT = 100_000
 """width and height given to COLMAP, larger than any image; the solver does not use them"""
 
@@ -30,7 +33,7 @@ class Ceres:
         if tuned:
             solver.gradient_tolerance, solver.function_tolerance = 0.0, 1e-10
             solver.initial_trust_region_radius = 1e8
-        self.reconstruction = pycolmap.Reconstruction()
+        self.reconstruction: Any = pycolmap.Reconstruction()
         self._add_cameras()
         self._add_images_and_points()
         self.config = pycolmap.BundleAdjustmentConfig()
@@ -85,7 +88,7 @@ class Ceres:
 
     def solve(self) -> None:
         adjuster = pycolmap.create_default_ceres_bundle_adjuster(self.options, self.config, self.reconstruction)
-        self.summary = adjuster.solve()
+        self.summary: Any = adjuster.solve()
 
     def answer(self) -> Answer:
         poses = [
@@ -109,11 +112,11 @@ class Ceres:
 
 
 class CeresWarm(Ceres):
-    """Started from the estimates of trial 0 instead of the approximate values: what a Monte-Carlo loop could do."""
+    """Started from the estimates of another trial instead of the approximate values: what a Monte-Carlo loop could do."""
 
     def __init__(self, problem: Problem, form: str) -> None:
         super().__init__(problem, form)
-        super().prepare(0)
+        super().prepare(OTHER_TRIAL)
         self.solve()
         self.nominal = self.answer()
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import gtsam
 import numpy as np
 from gtsam.symbol_shorthand import K, L, X
@@ -49,6 +51,7 @@ class Gtsam:
         o, camera = self.problem.block.observations, self.problem.block.images.camera
         unit = gtsam.noiseModel.Unit.Create(2)
         constants = [gtsam.Cal3_S2(*interior) for interior in self.interior]
+        factor: Any
         for measured, i, p in zip(xy, o.image.tolist(), o.point.tolist(), strict=True):
             if self.form == IDEAL4:
                 factor = gtsam.GeneralSFMFactor2Cal3DS2(measured, unit, X(i), L(p), K(int(camera[i])))

@@ -53,7 +53,10 @@ def count(study: Study) -> int:
 def combinations(study: Study) -> Iterator[dict[str, Any]]:
     """The levels of every condition, in the order of the file."""
     crossed = [[(name, level) for level in levels] for name, levels in study.grid.items()]
-    rows = [[list(zip(together, row, strict=True)) for row in zip(*together.values(), strict=True)] for together in study.zip]
+    rows = [
+        [list(zip(together, row, strict=True)) for row in zip(*together.values(), strict=True)]
+        for together in study.zip
+    ]
     for chosen in itertools.product(*crossed):
         for moved in itertools.product(*rows):
             levels = dict([*chosen, *itertools.chain.from_iterable(moved)])

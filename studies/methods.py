@@ -85,7 +85,13 @@ class Method:
 def _shown(value: Any) -> str:
     if isinstance(value, Mapping):
         return "+".join(f"{k}:{v:g}" for k, v in sorted(value.items()))
-    return str(value).lower() if isinstance(value, bool) else f"{value:g}" if isinstance(value, float | int) else str(value)
+    return (
+        str(value).lower()
+        if isinstance(value, bool)
+        else f"{value:g}"
+        if isinstance(value, float | int)
+        else str(value)
+    )
 
 
 def methods_of(study: Study) -> tuple[Method, ...]:
@@ -172,8 +178,12 @@ def _ap_faults(level: Any) -> list[str]:
         if name != "id" and name not in MODEL_SETTINGS[model]:
             allowed = nearest(name, MODEL_SETTINGS[model]) if MODEL_SETTINGS[model] else "; it has none"
             faults.append(f".{name}: unknown setting of {model}{allowed}")
-        elif name != "id" and (isinstance(value, bool) != name.endswith("printed") or not isinstance(value, int | float)):
-            faults.append(f".{name}: found {shown(value)}, allowed: {'true or false' if 'printed' in name else 'a number'}")
+        elif name != "id" and (
+            isinstance(value, bool) != name.endswith("printed") or not isinstance(value, int | float)
+        ):
+            faults.append(
+                f".{name}: found {shown(value)}, allowed: {'true or false' if 'printed' in name else 'a number'}"
+            )
     return faults
 
 

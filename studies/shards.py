@@ -35,13 +35,12 @@ def encode(columns: Columns, label: Mapping[str, Any]) -> bytes:
 
     header = json.dumps({**label, "format": FORMAT, "sha256": digest(columns, label)}, sort_keys=True)
     arrays = [pa.array(np.ascontiguousarray(values)) for values in columns.values()]
-    table = pa.Table.from_arrays(arrays, names=list(columns)).replace_schema_metadata({KEY: header})
+    table = pa.Table.from_arrays(arrays, names=list(columns))
     sink = pa.BufferOutputStream()
-    pq.write_table(
-        *(table, sink),
-        **{"compression": "none", "use_dictionary": False, "write_statistics": False, "write_page_checksum": True},
-        **{"store_schema": False, "row_group_size": max(1, table.num_rows)},
-    )
+    plain: dict[str, Any] = {"compression": "none", "use_dictionary": False, "write_statistics": False}
+    with pq.ParquetWriter(sink, table.schema, **plain, write_page_checksum=True, store_schema=False) as writer:
+        writer.write_table(table, row_group_size=max(1, table.num_rows))
+        writer.add_key_value_metadata({KEY: header})
     return bytes(sink.getvalue())
 
 
@@ -62,12 +61,8 @@ def decode(raw: bytes, expected: Mapping[str, Any], most_rows: int) -> dict[str,
     if not raw:
         raise DamageError("the file is empty")
     try:
-        # pre_buffer would read in a thread pool of its own: nothing to gain in memory
-        file = pq.ParquetFile(
-            *(pa.BufferReader(raw),),
-            **{"page_checksum_verification": True, "pre_buffer": False},
-            **{"thrift_string_size_limit": 1 << 24, "thrift_container_size_limit": 1 << 20},
-        )
+        limits = {"thrift_string_size_limit": 1 << 24, "thrift_container_size_limit": 1 << 20}
+        file = pq.ParquetFile(pa.BufferReader(raw), page_checksum_verification=True, pre_buffer=False, **limits)
         header = _header(file.metadata, expected, most_rows)
         table = file.read(use_threads=False)
         columns = {name: _values(table.column(name)) for name in table.column_names}

@@ -70,10 +70,16 @@ class Store:
         make_folder(path.parent)
         write_whole(path, _json(record))
 
+    def mark_reasons(self, condition_id: str, reasons: Mapping[str, str]) -> None:
+        """Note why methods of a condition have no results at all. Raises OSError."""
+        path = self.folder / "failures" / condition_id / "nominal.json"
+        make_folder(path.parent)
+        write_whole(path, _json(reasons))
+
     def failed(self, condition_id: str) -> dict[int, str]:
         """The marked trials of a condition and what became of them. Raises StoreError for a mark that is unreadable."""
         found = {}
-        for path in sorted((self.folder / "failures" / condition_id).glob("*.json")):
+        for path in sorted((self.folder / "failures" / condition_id).glob("[0-9]*.json")):
             record = read_json(path)
             if not path.stem.isdecimal() or record.get("status") not in ("crashed", "timeout"):
                 raise StoreError(f"{path}: no mark of a failed trial; remove it and run again")

@@ -1,14 +1,14 @@
 """The study file: a question, its factors, methods and trials, read from TOML with every fault named at once.
 
-    [study]      name, question, seed
-    [trials]     max, min, block (trials a shard, a multiple of 32), target_mcse = {measure = standard error}
-    [scenario]   preset and changes to it, as in a scenario file
-    [factors]    own names for dotted paths of the scenario: lens = {paths = ["effects[0].effect.k1"], times = true}
-    [grid]       crossed factors with their levels        [[zip]]      factors that move together
-    [[exclude]]  levels that are left out                 [[include]]  conditions that are added
-    [methods]    crossed: ap, cameras, aux_points, image_um, control_mm
-    [paired]     factors that share their random numbers; against = the levels that methods are compared with
-    [report]     x (a factor), measures to draw, least_correlation
+[study]      name, question, seed
+[trials]     max, min, block (trials a shard, a multiple of 32), target_mcse = {measure = standard error}
+[scenario]   preset and changes to it, as in a scenario file
+[factors]    own names for dotted paths of the scenario: lens = {paths = ["effects[0].effect.k1"], times = true}
+[grid]       crossed factors with their levels        [[zip]]      factors that move together
+[[exclude]]  levels that are left out                 [[include]]  conditions that are added
+[methods]    crossed: ap, cameras, aux_points, image_um, control_mm
+[paired]     factors that share their random numbers; against = the levels that methods are compared with
+[report]     x (a factor), measures to draw, least_correlation
 """
 
 from __future__ import annotations
@@ -147,7 +147,8 @@ def _decoded(raw: bytes) -> str:
     if raw.startswith(b"\xef\xbb\xbf"):
         raise StudyError("line 1: the file begins with a byte-order mark; save it as UTF-8 without one")
     if b"\0" in raw:
-        raise StudyError(f"line {raw[: raw.index(0)].count(b'\n') + 1}: there is a NUL byte; this is no text file")
+        line = raw[: raw.index(0)].count(b"\n") + 1
+        raise StudyError(f"line {line}: there is a NUL byte; this is no text file")
     try:
         return raw.decode("utf-8")
     except UnicodeDecodeError as error:

@@ -151,7 +151,7 @@ def _table2(found: Findings) -> Iterator[str]:
     best = others.groupby(["aux_points", "seed"])["rms"].min()
     ranges = [f"{best[aux].min():.3f} to {best[aux].max():.3f} {label}" for aux, label in AUX.items()]
     yield (
-        "How the flights deviated from their plan and which points were not measured is not known, and the correlations "
+        "How the flights deviated from plan and which points were not measured is not known, and the correlations "
         f"depend on it: for {others['seed'].nunique()} other geometries (other seeds, `table2_geometries.csv`), camera "
         f"and printed row as they fit best, the rms is {' and '.join(ranges)}.\n"
     )

@@ -9,7 +9,7 @@ import pytest
 
 from adjust import Status, adjust_block, ap_models, initial
 from adjust.band_factor import BandFactor
-from adjust.compiled_normals import Compiled
+from adjust.compiled_normals import Compiled, Ordering
 from adjust.normals import Plain
 from adjust.observations import Observations
 from adjust.precision import Cofactors
@@ -125,7 +125,7 @@ class TestBand:
 
     @pytest.fixture
     def strip(self, monkeypatch: pytest.MonkeyPatch) -> synthetic.World:
-        monkeypatch.setattr("adjust.compiled_normals.DENSE_MOST", 0)
+        monkeypatch.setattr(Ordering, "banded", True)
         rng = np.random.default_rng(0)
         field = {f"{i}/{j}": [400.0 * i, 400.0 * j, rng.uniform(-40.0, 40.0)] for i in range(36) for j in range(-2, 3)}
         stations = [[966.0 * i, 0.0, 1605.0, *rng.normal(0.0, 0.01, 3)] for i in range(14)]
@@ -140,7 +140,7 @@ class TestBand:
         return replace(w, block=shuffled, exterior=w.exterior[order]).with_noise(rng)
 
     @pytest.mark.parametrize("model", ["none", "brown14"])
-    def test_step(self, strip: synthetic.World, model: str) -> None:
+    def test_step_and_cofactors(self, strip: synthetic.World, model: str) -> None:
         unknowns = Unknowns.of(strip.block, ap_models.get(model))
         observations = Observations.of(strip.block, unknowns)
         x = initial.values(unknowns, observations.image_points)
@@ -148,8 +148,14 @@ class TestBand:
         factor = compiled.factorise(compiled.at(x))
         assert isinstance(factor, BandFactor)
         full = dense.solve(observations, x)
+        std = np.sqrt(np.diag(full.inverse))
         step, length = factor.step(compiled.at(x))
-        assert (np.abs(step - full.step) <= RELATIVE_TOLERANCE * length * np.sqrt(np.diag(full.inverse))).all()
+        assert (np.abs(step - full.step) <= RELATIVE_TOLERANCE * length * std).all()
+        cofactors = Cofactors(unknowns, factor)
+        everything = np.arange(len(x))
+        difference = np.abs(cofactors.block(everything, everything) - full.inverse)
+        assert (difference <= RELATIVE_TOLERANCE * std * std[:, None]).all()
+        np.testing.assert_allclose(np.sqrt(cofactors.diagonal), std, rtol=RELATIVE_TOLERANCE)
 
     @pytest.mark.parametrize("model", ["none", "brown14"])
     def test_estimates(self, strip: synthetic.World, model: str) -> None:

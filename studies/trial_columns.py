@@ -1,0 +1,156 @@
+"""What is kept of every trial: deviations from the truth and tracked estimates, for many trials at once.
+
+The estimand of an image or a point is the truth. That of an additional parameter is what the same adjustment finds
+without any noise: where the model holds the true distortion this is its true coefficient, elsewhere no other value is
+defined. What a wrong model does to the field is seen at the points.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+from scipy.special import stdtrit
+
+from adjust.adjustment import Adjustment, correlations
+from adjust.replicates import Replicates
+from adjust.status import Status
+from adjust.unknowns import EXTERIOR_NAMES, POINT_NAMES
+from simfield.block import Floats
+from studies.measures import CONFIDENCE
+from studies.parts import Part
+
+Codes = npt.NDArray[np.int8]
+
+CODES = {
+    Status.CONVERGED: 0,
+    Status.NO_START: 1,
+    Status.BEHIND_CAMERA: 2,
+    Status.SINGULAR: 3,
+    Status.NOT_CONVERGED: 4,
+    Status.TOO_LITTLE_REDUNDANCY: 5,
+    Status.NOT_FINITE: 6,
+}
+CONVERGED, OTHER, CRASHED, TIMEOUT, NO_NOMINAL = 0, 99, 100, 101, 102
+SENTENCES = {code: status.value for status, code in CODES.items()} | {
+    OTHER: "the adjustment failed",
+    CRASHED: "its worker died",
+    TIMEOUT: "it did not end",
+    NO_NOMINAL: "the condition itself cannot be simulated or adjusted",
+}
+LOST = {"crashed": CRASHED, "timeout": TIMEOUT}
+
+DEVIATIONS = ("m0_um", "mu_xy_mm", "mu_z_mm", "true_xy_mm", "true_z_mm", "mean_z_mm", "coverage_xy", "coverage_z")
+"""per trial: m0; 2-D and height rms at check points against their given coordinates; the same against the truth at all
+points but control; the mean height error; the shares of true coordinates inside their 95 % intervals"""
+CONSTANTS = ("redundancy", "unit_weight_um", "noise_free_m0_um")
+
+
+@dataclass(frozen=True, eq=False)
+class Tracked:
+    """Unknowns that are followed one by one: names, their places in x, and their estimands."""
+
+    names: tuple[str, ...]
+    at: npt.NDArray[np.intp]
+    estimand: Floats
+
+    @classmethod
+    def of(cls, nominal: Adjustment, part: Part) -> Tracked:
+        """All additional parameters; of every camera the image nearest to the centre of the field, as "ww.Z0"; and the
+        points nearest to the centre and farthest from it, as "centre.Z" and "edge.Z".
+        """
+        names, at, estimand = [], [], []
+        layout = nominal.layout
+        for s in layout.sets:
+            names += [f"{s.id}.{name}" for name in s.model.parameters]
+            at += list(range(s.columns.start, s.columns.stop))
+            estimand += nominal.x[s.columns].tolist()
+        origin = np.array([*layout.origin, 0.0, 0.0, 0.0])
+        centre = 0.5 * (part.true[:, :2].min(axis=0) + part.true[:, :2].max(axis=0))
+        for camera, image in _middle_images(part, centre).items():
+            names += [f"{camera}.{name}" for name in EXTERIOR_NAMES]
+            at += [6 * image + i for i in range(6)]
+            estimand += (part.exterior[image] - origin).tolist()
+        for label, point in _two_points(part, centre).items():
+            names += [f"{label}.{name}" for name in POINT_NAMES]
+            at += [layout.orientation + 3 * point + i for i in range(3)]
+            estimand += (part.true[point] - layout.origin).tolist()
+        return cls(tuple(names), np.array(at, dtype=np.intp), np.array(estimand))
+
+
+def _middle_images(part: Part, centre: Floats) -> dict[str, int]:
+    distance = np.hypot(*(part.exterior[:, :2] - centre).T)
+    found = {}
+    for number, camera in enumerate(part.block.camera_ids):
+        own = np.flatnonzero(part.block.images.camera == number)
+        if own.size:
+            found[camera] = int(own[np.argmin(distance[own])])
+    return found
+
+
+def _two_points(part: Part, centre: Floats) -> dict[str, int]:
+    free = np.flatnonzero(part.block.points.role != "control")
+    if not free.size:
+        return {}
+    distance = np.hypot(*(part.true[free, :2] - centre).T)
+    return {"centre": int(free[np.argmin(distance)]), "edge": int(free[np.argmax(distance)])}
+
+
+def nominal_columns(nominal: Adjustment, part: Part) -> dict[str, Floats]:
+    """The constants of a method, and of every tracked unknown its estimand, the root s of its cofactor and its formal
+    correlations with all of them, one below the other. The estimand is reduced as x is.
+    """
+    tracked = Tracked.of(nominal, part)
+    q = nominal.cofactors.block(tracked.at, tracked.at)
+    s, formal = np.sqrt(np.diag(q)), correlations(q)
+    found: dict[str, Floats] = {
+        "constants": np.array([nominal.redundancy, nominal.unit_weight_um, nominal.m0_um], dtype=float)
+    }
+    for number, name in enumerate(tracked.names):
+        found[name] = np.concatenate([[tracked.estimand[number], s[number]], formal[number]])
+    return found
+
+
+def trial_columns(replicates: Replicates, part: Part, given: Floats) -> dict[str, npt.NDArray[np.generic]]:
+    """The columns of t trials; given (t, n', 3) are the coordinates of the points that the surveyor gave, m."""
+    nominal = replicates.nominal
+    tracked = Tracked.of(nominal, part)
+    points, sigma0 = replicates.points, replicates.sigma0
+    control = part.block.points.role == "control"
+    check = part.block.points.role == "check"
+    error = (points - part.true)[:, ~control]
+    q = nominal.cofactors.diagonal[nominal.layout.orientation :].reshape(-1, 3)
+    t = stdtrit(nominal.redundancy, 0.5 + CONFIDENCE / 2.0)
+    inside = np.abs(error) <= t * sigma0[:, None, None] * np.sqrt(q)[~control]
+    ok = replicates.ok
+    deviations = (
+        replicates.m0_um,
+        *_rms_mm((points - given)[:, check]),
+        *_rms_mm(error),
+        1000.0 * _mean(error[:, :, 2]),
+        np.where(ok, _mean(_mean(inside[:, :, :2].astype(float))), np.nan),
+        np.where(ok, _mean(inside[:, :, 2].astype(float)), np.nan),
+    )
+    found: dict[str, npt.NDArray[np.generic]] = {"status": status_codes(replicates)}
+    found.update(zip(DEVIATIONS, deviations, strict=True))
+    found.update(zip(tracked.names, np.ascontiguousarray(replicates.trials.x[:, tracked.at].T), strict=True))
+    return found
+
+
+def _rms_mm(difference: Floats) -> tuple[Floats, Floats]:
+    """2-D and height rms (t) over the points of differences (t, n, 3) in metres, in mm; NaN without points."""
+    square = _mean(difference**2)
+    return 1000.0 * np.sqrt(square[:, 0] + square[:, 1]), 1000.0 * np.sqrt(square[:, 2])
+
+
+def _mean(values: Floats) -> Floats:
+    """The mean over axis 1; NaN, without a warning, where there is nothing."""
+    if values.shape[1] == 0:
+        return np.full((values.shape[0], *values.shape[2:]), np.nan)
+    return np.asarray(values.mean(axis=1))
+
+
+def status_codes(replicates: Replicates) -> Codes:
+    """(t) how every trial ended, in CODES."""
+    return np.array([CODES.get(status, OTHER) for status in replicates.status], dtype=np.int8)
