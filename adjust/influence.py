@@ -18,6 +18,7 @@ import numpy as np
 import scipy.linalg
 
 from adjust.adjustment import Adjustment
+from adjust.normals import Factor, Plain
 from adjust.observations import Observations
 from adjust.unknowns import POINT_NAMES
 from simfield.block import Floats, Indices
@@ -51,6 +52,7 @@ class Influence:
     """
 
     adjustment: Adjustment
+    factor: Factor
     rows: Rows
     t: Floats
     b: Floats
@@ -59,7 +61,7 @@ class Influence:
     def of(cls, adjustment: Adjustment) -> Influence:
         """Raises ValueError where the adjustment failed."""
         a = adjustment.regular
-        factor, size = a.cofactors.factor, a.layout.orientation
+        factor, size = _dense_factor(a), a.layout.orientation
         groups = a.groups
         control = groups.control
         k2 = 2 * len(groups.image_points.image)
@@ -78,12 +80,12 @@ class Influence:
         values = np.empty(count)
         values[order], values[k2:q] = v, control.residuals(a.x)
         inside = point >= 0
-        reduced[inside] -= _hanging(right[inside], point[inside], factor.eliminated)
+        right[inside] = (right[inside][:, None, :] @ factor.root[point[inside]].transpose(0, 2, 1))[:, 0]
+        _subtract_hanging(reduced, right, point, factor.white)
         root = np.sqrt(weight)[:, None]
         reduced *= root * factor.scale
-        right[inside] = (right[inside][:, None, :] @ factor.root[point[inside]].transpose(0, 2, 1))[:, 0]
         t = scipy.linalg.solve_triangular(factor.lower, reduced.T, lower=True, check_finite=False, overwrite_b=True).T
-        return cls(a, Rows(values, weight, point), t, right * root)
+        return cls(a, factor, Rows(values, weight, point), t, right * root)
 
     def __len__(self) -> int:
         return len(self.rows.v)
@@ -110,12 +112,12 @@ class Influence:
 
     def effect(self, i: Indices, at: Indices) -> Floats:
         """(len(i), len(at)): the change of the unknowns `at` (places in x) by an error of one standard deviation in i."""
-        q, a = self.adjustment.cofactors, self.adjustment
-        size, factor = a.layout.orientation, a.cofactors.factor
+        a, factor = self.adjustment, self.factor
+        size = a.layout.orientation
         # t D L^T = reduced row, so that Q_ee (a_e - a_p Z)^T = D L^-T t
         step = scipy.linalg.solve_triangular(factor.lower, self.t[i].T, lower=True, trans=1, check_finite=False).T
         by_orientation = step * factor.scale
-        effect = by_orientation @ q.spread(at).T
+        effect = by_orientation @ factor.spread(at).T
         inside = np.flatnonzero(at >= size)
         point, axis = np.divmod(at[inside] - size, 3)
         seen = self.rows.point[i]
@@ -160,12 +162,16 @@ def _fill_control(groups: Observations, size: int, reduced: Floats, right: Float
             right[row, axis] = 1.0
 
 
-def _hanging(right: Floats, point: Indices, eliminated: Floats) -> Floats:
-    """a_p Z, row by row; the rows of a point are taken together."""
-    out = np.empty((len(point), eliminated.shape[2]))
+def _subtract_hanging(reduced: Floats, right: Floats, point: Indices, white: Floats) -> None:
+    """Subtract a_p Z from the rows, those of a point together; right (n, 3) is a_p V^(-1/2), point -1 has none."""
     order = np.argsort(point, kind="stable")
-    bounds = np.searchsorted(point[order], np.arange(len(eliminated) + 1))
+    bounds = np.searchsorted(point[order], np.arange(len(white) + 1))
     for p, (start, stop) in enumerate(zip(bounds[:-1], bounds[1:], strict=True)):
         rows = order[start:stop]
-        out[rows] = right[rows] @ eliminated[p]
-    return out
+        reduced[rows] -= right[rows] @ white[p]
+
+
+def _dense_factor(a: Adjustment) -> Factor:
+    """The factorised normal equations with a dense reduced matrix, also where the adjustment needed only a band."""
+    factor = a.cofactors.factor
+    return factor if isinstance(factor, Factor) else Plain(a.groups).factorise(Plain(a.groups).at(a.x))

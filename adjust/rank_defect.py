@@ -65,7 +65,7 @@ def _undetermined_point(u: Unknowns, point: int) -> str:
     name, rays = u.block.points.ids[point], int(u.block.rays[point])
     if rays >= 2:
         return f"point {name} is not determined: its {rays} rays are parallel"
-    return f"point {name} is not determined: it has {rays} ray{'s' * (rays != 1)}, two or more coordinates are needed"
+    return f"point {name} is not determined: it has {rays} ray{'s' * (rays != 1)} and too few known coordinates"
 
 
 def _without_effect(u: Unknowns, column: int) -> str:

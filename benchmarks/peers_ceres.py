@@ -112,7 +112,7 @@ class Ceres:
 
 
 class CeresWarm(Ceres):
-    """Started from the estimates of another trial instead of the approximate values: what a Monte-Carlo loop could do."""
+    """Started from the estimates of another trial, not from approximate values: what a Monte-Carlo loop could do."""
 
     def __init__(self, problem: Problem, form: str) -> None:
         super().__init__(problem, form)

@@ -12,7 +12,7 @@ import scipy.stats
 from adjust import Adjustment, adjust_block, ap_models
 from adjust.reliability import Reliability, familywise, noncentrality, tau_critical, w_critical
 from simfield import presets, simulate
-from simfield.block import Block, Floats, Points
+from simfield.block import Block, Floats
 from tests import synthetic
 from tests.adjust import dense
 
@@ -123,22 +123,19 @@ def test_a_residual_is_minus_its_share_of_the_error(ww_world: synthetic.World) -
     assert found.name(81) == f"y of point {a.block.points.ids[o.point[40]]} in image {a.block.images.ids[o.image[40]]}"
 
 
-def test_an_observation_that_nothing_checks(ww_world: synthetic.World) -> None:
-    """A height given for a point without any other control of its kind hangs on the block's own, and is checked; a
-    weighted coordinate of the only control of the datum is not."""
-    ids = ("11", "15", "51")
-    w = ww_world.controlled(ids, (0.02, 0.02, 0.02))
-    p = w.block.points
-    sigma = p.sigma.copy()
-    sigma[p.ids.index("15"), :2] = [0.0, np.nan]
-    sigma[p.ids.index("15"), 0] = np.nan
-    sigma[p.ids.index("51"), 0] = np.nan
-    points = Points(p.ids, p.role, p.coordinates, sigma)
-    a = adjust_block(w.with_points(sigma=points.sigma).block)
-    assert a.status.ok, a.message
-    found = Reliability.of(a)
+def test_control_that_nothing_checks(ww_world: synthetic.World) -> None:
+    """Seven weighted coordinates are the datum and no more: errors in them show nowhere."""
+    w = ww_world.controlled(("11", "15", "55"), (0.02, 0.02, 0.02))
+    sigma = w.block.points.sigma.copy()
+    sigma[w.block.points.ids.index("15"), :2] = np.nan
+    found = Reliability.of(adjust_block(w.with_points(sigma=sigma).with_noise(np.random.default_rng(1)).block))
     control = slice(found.image_points.stop, None)
-    assert len(found.redundancy[control]) == 6
+    assert found.redundancy[control].tolist() == [0.0] * 7
+    assert np.isnan(found.w[control]).all()
+    assert np.isinf(found.mdb[control]).all()
+    assert np.isinf(found.external[control]).all()
+    assert found.name(len(found) - 1) == "Z of control point 55"
+    assert np.isfinite(found.w[found.image_points]).all()
 
 
 def test_critical_values() -> None:

@@ -1,0 +1,146 @@
+"""Where blocks are computed: here, in processes of this machine (joblib with loky), or on a cluster (dask).
+
+A worker writes its shards itself, so nothing travels back, and the store tells what is done. A block whose worker died
+or did not end is taken to `isolation`, which finds the trial that did it; everything else goes on.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import time
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from studies.block_task import BlockTask
+
+Work = Callable[[BlockTask], int]
+"""computes a block, writes its shard, and returns the number of its trials"""
+
+LOST_SCHEDULER_S = 20.0
+LOOK_EVERY_S = 0.5
+
+
+class BackendError(RuntimeError):
+    """The machinery that computes has failed; one line says how. The store is whole."""
+
+
+@dataclass(frozen=True)
+class Broken:
+    """These blocks were under way when a worker died or a time limit passed."""
+
+    tasks: tuple[BlockTask, ...]
+
+
+def task_limit_s(task: BlockTask, trial_limit_s: float) -> float:
+    """How long a block may take: a trial's limit, and as long again for every thousand adjustments."""
+    return trial_limit_s * (2.0 + len(task) * len(task.methods) / 1000.0)
+
+
+def here(tasks: Sequence[BlockTask], work: Work) -> Iterator[int | Broken]:
+    """One after the other in this process: for tests and small studies; nothing watches over it."""
+    for task in tasks:
+        yield work(task)
+
+
+def joblib_processes(
+    tasks: Sequence[BlockTask], work: Work, jobs: int, trial_limit_s: float, done: Callable[[BlockTask], bool]
+) -> Iterator[int | Broken]:
+    """In processes of this machine; after a break the pool is started anew without the blocks under suspicion."""
+    from concurrent.futures.process import BrokenProcessPool
+
+    from joblib import Parallel, delayed
+
+    left = list(tasks)
+    while left:
+        limit = max(task_limit_s(task, trial_limit_s) for task in left)
+        parallel: Any = Parallel(
+            n_jobs=jobs, backend="loky", return_as="generator_unordered", batch_size=1, pre_dispatch="2*n_jobs",
+            timeout=limit,
+        )  # fmt: skip
+        finished = parallel(delayed(work)(task) for task in left)
+        try:
+            yield from finished
+            return
+        except (BrokenProcessPool, TimeoutError):
+            _kill_pool()
+        except BaseException:
+            _kill_pool()
+            raise
+        finally:
+            with contextlib.suppress(BaseException):
+                finished.close()
+        left = [task for task in left if not done(task)]
+        suspects = tuple(left[: 2 * jobs])  # no more than these can have been under way
+        left = left[2 * jobs :]
+        if suspects:
+            yield Broken(suspects)
+
+
+def _kill_pool() -> None:
+    from joblib.externals.loky import reusable_executor
+
+    executor = reusable_executor._executor
+    if executor is not None:
+        executor.shutdown(wait=True, kill_workers=True)
+
+
+def dask_cluster(
+    tasks: Sequence[BlockTask], work: Work, scheduler: str, trial_limit_s: float
+) -> Iterator[int | Broken]:
+    """On a running dask cluster. Raises BackendError if there is none or its scheduler is lost."""
+    try:
+        from distributed import Client, wait
+    except ImportError:
+        raise BackendError("--backend dask needs the extra `cluster`: pip install 'simfield[cluster]'") from None
+    try:
+        client: Any = Client(scheduler, timeout=10, set_as_default=False)
+    except (OSError, TimeoutError, ValueError) as error:
+        raise BackendError(f"no dask scheduler at {scheduler}: {str(error).splitlines()[0]}") from None
+    by_key = {}
+    try:
+        futures = client.map(work, tasks, pure=False, retries=1, batch_size=None)
+        by_key = dict(zip((f.key for f in futures), tasks, strict=True))
+        waiting = set(futures)
+        ends = time.monotonic() + _patience(tasks, trial_limit_s, client)
+        while waiting:
+            _refuse_lost(client, scheduler)
+            with contextlib.suppress(TimeoutError):
+                wait(list(waiting), timeout=LOOK_EVERY_S, return_when="FIRST_COMPLETED")
+            finished = {f for f in waiting if f.done()}
+            if finished:
+                ends = time.monotonic() + _patience(tasks, trial_limit_s, client)
+            elif time.monotonic() > ends:
+                client.cancel(list(waiting), force=True)
+                yield Broken(tuple(by_key[f.key] for f in waiting))
+                return
+            waiting -= finished
+            for future in finished:
+                yield _outcome(future, by_key[future.key])
+    finally:
+        with contextlib.suppress(Exception):
+            client.close(timeout=5)
+
+
+def _patience(tasks: Sequence[BlockTask], trial_limit_s: float, client: Any) -> float:
+    return max(task_limit_s(task, trial_limit_s) for task in tasks)
+
+
+def _outcome(future: Any, task: BlockTask) -> int | Broken:
+    from distributed.scheduler import KilledWorker
+
+    if future.status == "finished":
+        return int(future.result())
+    error = future.exception() if future.status == "error" else None
+    if error is None or isinstance(error, KilledWorker):
+        return Broken((task,))
+    raise error
+
+
+def _refuse_lost(client: Any, scheduler: str) -> None:
+    """Raise BackendError when the scheduler has been away for LOST_SCHEDULER_S."""
+    ends = time.monotonic() + LOST_SCHEDULER_S
+    while client.status != "running":
+        if client.status in ("closed", "closing") or time.monotonic() > ends:
+            raise BackendError(f"the dask scheduler at {scheduler} is lost")
+        time.sleep(LOOK_EVERY_S)

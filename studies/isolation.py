@@ -1,0 +1,95 @@
+"""A suspected block on its own: once more as a whole, then in lanes, then trial by trial, until the culprit is known.
+
+Each attempt runs in a process of its own that can die or be killed without harm. Trials that bring it down, or do not
+end, are returned with their fate; the block is then computed without them.
+"""
+
+from __future__ import annotations
+
+import multiprocessing
+import time
+from collections.abc import Callable
+from dataclasses import replace
+from multiprocessing.connection import Connection
+from typing import Any
+
+from studies.backends import BackendError, Work, task_limit_s
+from studies.block_task import BlockTask
+from studies.study import LANES
+
+Try = Callable[[BlockTask], object]
+"""computes a block and writes nothing"""
+
+
+def compute_alone(task: BlockTask, work: Work, attempt: Try, trial_limit_s: float) -> dict[int, str]:
+    """Finish a block whatever its trials do; the trials that were given up, with "crashed" or "timeout".
+
+    Raises OSError if the shard cannot be written and BackendError if the block fails even without its culprits.
+    """
+    if _in_process(work, task, task_limit_s(task, trial_limit_s)) is None:
+        return {}
+    lost: dict[int, str] = {}
+    for lane in range(task.first, task.stop, LANES):
+        part = replace(task, first=lane, stop=min(lane + LANES, task.stop))
+        if _in_process(attempt, part, task_limit_s(part, trial_limit_s)) is not None:
+            lost |= _culprits(part, attempt, trial_limit_s)
+    fate = _in_process(work, replace(task, lost={**task.lost, **lost}), task_limit_s(task, trial_limit_s))
+    if fate is not None:
+        lost = dict.fromkeys(range(task.first, task.stop), fate)
+        if _in_process(work, replace(task, lost=lost), task_limit_s(task, trial_limit_s)) is not None:
+            raise BackendError(f"condition {task.condition.id}, block {task.block} fails even without its trials")
+    return lost
+
+
+def _culprits(part: BlockTask, attempt: Try, trial_limit_s: float) -> dict[int, str]:
+    """Every trial of a part alone, in a process of its own."""
+    found = {}
+    for trial in range(part.first, part.stop):
+        if trial not in part.lost:
+            fate = _in_process(attempt, replace(part, first=trial, stop=trial + 1), trial_limit_s)
+            if fate is not None:
+                found[trial] = fate
+    return found
+
+
+def _in_process(work: Callable[[BlockTask], object], task: BlockTask, limit_s: float) -> str | None:
+    """None if a process of its own finished the work, else "crashed" or "timeout". What the work raises is raised."""
+    context = multiprocessing.get_context("spawn")
+    ours, theirs = context.Pipe()
+    process = context.Process(target=_serve, args=(theirs, work, task), daemon=True)
+    process.start()
+    theirs.close()
+    try:
+        if not ours.poll(limit_s):
+            return "timeout"
+        error = ours.recv()
+    except EOFError:
+        return "crashed"
+    finally:
+        _end(process)
+        ours.close()
+    if error is not None:
+        raise error
+    return None
+
+
+def _serve(answer: Connection, work: Callable[[BlockTask], object], task: BlockTask) -> None:
+    from studies.worker import prepare
+
+    prepare()
+    try:
+        work(task)
+    except Exception as error:
+        answer.send(error)
+    else:
+        answer.send(None)
+
+
+def _end(process: Any) -> None:
+    process.join(0.2)
+    if process.is_alive():
+        process.kill()
+    ends = time.monotonic() + 5.0
+    while process.is_alive() and time.monotonic() < ends:
+        time.sleep(0.01)
+    process.join(1.0)
