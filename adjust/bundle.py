@@ -16,7 +16,7 @@ from adjust.observations import Observations
 from adjust.solve import Arithmetic, Solution, solve
 from adjust.status import Status
 from adjust.unknowns import Unknowns
-from simfield.block import Block
+from simfield.block import Block, Floats
 
 
 def adjust_block(
@@ -37,8 +37,24 @@ def adjust_block(
         groups = Observations.of(block, unknowns)
         arithmetic = Compiled(groups) if compiled else Plain(groups)
         solution = _checked_solution(unknowns, groups, arithmetic)
+    return _answer(groups, solution, arithmetic)
+
+
+def reweighted(a: Adjustment, weights: Floats) -> Adjustment:
+    """The same adjustment with other weights, from its estimate on; weights in the order of `a.groups.weights`.
+
+    A weight of 0 rejects an observation: it keeps a residual, but counts no more.
+    """
+    groups = a.groups.with_weights(weights)
+    arithmetic = Compiled(groups) if isinstance(a.arithmetic, Compiled) else Plain(groups)
+    with np.errstate(all="ignore"):
+        return _answer(groups, solve(groups, a.x, arithmetic), arithmetic)
+
+
+def _answer(groups: Observations, solution: Solution, arithmetic: Arithmetic) -> Adjustment:
     sentence = solution.status.value + (f": {solution.detail}" if solution.detail else "")
-    return Adjustment(block, unknowns, groups, solution.x, solution.status, sentence, solution.iterations, arithmetic)
+    u = groups.image_points.unknowns
+    return Adjustment(u.block, u, groups, solution.x, solution.status, sentence, solution.iterations, arithmetic)
 
 
 def _checked_solution(unknowns: Unknowns, groups: Observations, arithmetic: Arithmetic) -> Solution:

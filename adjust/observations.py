@@ -5,7 +5,7 @@ Residuals are corrections, v = f(x) - measured, and weights are 1/sigma^2.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -145,6 +145,19 @@ class Observations:
         """The number of observations that count: an observation of weight 0 is rejected."""
         rejected = np.sum(self.image_points.weight == 0.0) + np.sum(self.control.weight == 0.0)
         return self.rows - int(rejected)
+
+    @property
+    def weights(self) -> Floats:
+        """(rows) the weights: image coordinates in the order of the block (x, y, x, y, ...), then control."""
+        image_points = np.empty_like(self.image_points.weight)
+        image_points[self.image_points.order] = self.image_points.weight
+        return np.concatenate([image_points.ravel(), self.control.weight])
+
+    def with_weights(self, weights: Floats) -> Observations:
+        """The same observations with other weights, in the order of `weights`; 0 rejects an observation."""
+        k2 = 2 * len(self.image_points.image)
+        image_points = weights[:k2].reshape(-1, 2)[self.image_points.order]
+        return Observations(replace(self.image_points, weight=image_points), replace(self.control, weight=weights[k2:]))
 
     def cost(self, x: Floats) -> float:
         """vPv; infinite when a point lies behind a camera."""

@@ -84,6 +84,12 @@ class _Symbol(np.lib.mixins.NDArrayOperatorsMixin):
             raise UntraceableError(f"numpy.{ufunc.__name__}")
         return self.record.put(UFUNCS[ufunc].format(*(self._operand(i) for i in inputs)))
 
+    def part(self, value: Any) -> str:
+        """The operand that stands for one part of a term, or nothing for 0."""
+        if not isinstance(value, _Symbol) and np.ndim(value) == 0 and value == 0:
+            return ""
+        return self._operand(value)
+
     def _operand(self, value: Any) -> str:
         if isinstance(value, _Symbol):
             return value.name
@@ -121,31 +127,56 @@ class _Symbol(np.lib.mixins.NDArrayOperatorsMixin):
         raise UntraceableError("a branch on a coordinate")
 
 
+@dataclass(frozen=True)
+class Trace:
+    """The terms of a model as scalar code in x and y: lines to be run in order, then (dx, dy) of each parameter.
+
+    A part is the name of a value, a number, or empty where the term is 0.
+    """
+
+    lines: tuple[str, ...]
+    parts: tuple[tuple[str, str], ...]
+
+    @classmethod
+    def of(cls, model: ApModel) -> Trace:
+        """Raises UntraceableError."""
+        record = _Record()
+        x, y = _Symbol(record, "x"), _Symbol(record, "y")
+        try:
+            terms = list(model.terms(x, y))  # type: ignore[arg-type]
+            parts = tuple((x.part(dx), x.part(dy)) for dx, dy in terms)
+        except UntraceableError:
+            raise
+        except Exception as error:
+            raise UntraceableError(f"{type(error).__name__}: {error}") from error
+        if len(parts) != len(model.parameters):
+            raise UntraceableError(f"{len(parts)} terms for {len(model.parameters)} parameters")
+        return cls(tuple(record.lines), parts)
+
+    @property
+    def distortion(self) -> str:
+        """The expression (dx, dy) of the distortion."""
+        rows = enumerate(self.parts, start=kernels.PARAMETERS)
+        named = [(f"context[{row}, t]", part) for row, part in rows]
+        sums = (" + ".join(f"{a} * {part[axis]}" for a, part in named if part[axis]) or "0.0" for axis in range(2))
+        return ", ".join(sums)
+
+    @property
+    def pulls(self) -> list[str]:
+        """The lines that add B^T (fx, fy) to the sums."""
+        lines = []
+        for row, part in enumerate(self.parts, start=kernels.PULL):
+            forces = [f"{name} * {force}" for name, force in zip(part, ("fx", "fy"), strict=True) if name]
+            if forces:
+                lines.append(f"sums[{row}, t] += {' + '.join(forces)}")
+        return lines
+
+
 def compile_gradient(model: ApModel) -> Callable[..., Any]:
     """`adjust.kernels.gradient_block` with the terms of this model, compiled. Raises UntraceableError."""
-    record = _Record()
-    x, y = _Symbol(record, "x"), _Symbol(record, "y")
-    try:
-        terms = list(model.terms(x, y))  # type: ignore[arg-type]
-    except UntraceableError:
-        raise
-    except Exception as error:
-        raise UntraceableError(f"{type(error).__name__}: {error}") from error
-    distortion: tuple[list[str], list[str]] = ([], [])
-    pulls = []
-    for j, term in enumerate(terms):
-        forces = []
-        for part, total, force in zip(term, distortion, ("fx", "fy"), strict=True):
-            if isinstance(part, _Symbol) or np.any(np.asarray(part) != 0.0):
-                name = x._operand(part)
-                total.append(f"context[{kernels.PARAMETERS + j}, t] * {name}")
-                forces.append(f"{name} * {force}")
-        if forces:
-            pulls.append(f"sums[{kernels.PULL + j}, t] += {' + '.join(forces)}")
-    dx, dy = (" + ".join(total) or "0.0" for total in distortion)
-    gradient: Callable[..., Any] = _load(
-        _source(record.lines, [f"return {dx}, {dy}"], pulls or ["pass"])
-    ).gradient_block
+    trace = Trace.of(model)
+    source = _source(list(trace.lines), [f"return {trace.distortion}"], trace.pulls or ["pass"])
+    gradient: Callable[..., Any] = _load(source).gradient_block
     return gradient
 
 

@@ -28,6 +28,10 @@ class ImageNoise:
         """(k, 2) the errors of one trial, mm."""
         return np.asarray(self.sigma[:, None] * normal_pairs(self.key, (self.place, self.image, trial, 0)))
 
+    def only(self, rows: Indices) -> ImageNoise:
+        """Of these observations alone."""
+        return ImageNoise(self.sigma[rows], self.key, self.place[rows], self.image[rows])
+
 
 @dataclass(frozen=True, eq=False)
 class ImagePointDraws:
@@ -44,6 +48,11 @@ class ImagePointDraws:
 
     def __len__(self) -> int:
         return self.stop - self.start
+
+    def only(self, rows: Indices) -> ImagePointDraws:
+        """The same trials of these observations alone, as in a sub-block."""
+        moving = None if self.moving is None else _Rows(self.moving, rows)
+        return ImagePointDraws(self.base[rows], self.noise.only(rows), self.start, self.stop, moving)
 
     def __getitem__(self, trials: slice) -> Floats:
         """(t, k, 2). Raises ValueError for a step other than 1."""
@@ -66,3 +75,14 @@ class ImagePointDraws:
         if self.moving is not None:
             for lane, trial in enumerate(numbers):
                 lanes[:, :, lane] += self.moving(int(trial))[order]
+
+
+@dataclass(frozen=True, eq=False)
+class _Rows:
+    """Some rows of what a function of the trial returns; a class, so that it can travel to another process."""
+
+    function: Callable[[int], Floats]
+    rows: Indices
+
+    def __call__(self, trial: int) -> Floats:
+        return self.function(trial)[self.rows]

@@ -6,14 +6,13 @@ end, are returned with their fate; the block is then computed without them.
 
 from __future__ import annotations
 
+import contextlib
 import multiprocessing
-import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from multiprocessing.connection import Connection
-from typing import Any
 
-from studies.backends import BackendError, Work, task_limit_s
+from studies.backends import BackendError, Broken, Work, task_limit_s
 from studies.block_task import BlockTask
 from studies.study import LANES
 
@@ -41,6 +40,24 @@ def compute_alone(task: BlockTask, work: Work, attempt: Try, trial_limit_s: floa
     return lost
 
 
+def in_order(tasks: Sequence[BlockTask], work: Work, trial_limit_s: float) -> Iterator[int | Broken]:
+    """One after the other in a single process beside this one, which is replaced when it dies or hangs."""
+    left = list(tasks)
+    while left:
+        with _process(_serve_all, work, left) as answers:
+            while left:
+                try:
+                    answer = answers.recv() if answers.poll(task_limit_s(left[0], trial_limit_s)) else "timeout"
+                except EOFError:
+                    answer = "crashed"
+                if isinstance(answer, Exception):
+                    raise answer
+                task = left.pop(0)
+                yield Broken((task,)) if isinstance(answer, str) else answer
+                if isinstance(answer, str):
+                    break
+
+
 def _culprits(part: BlockTask, attempt: Try, trial_limit_s: float) -> dict[int, str]:
     """Every trial of a part alone, in a process of its own."""
     found = {}
@@ -54,42 +71,55 @@ def _culprits(part: BlockTask, attempt: Try, trial_limit_s: float) -> dict[int, 
 
 def _in_process(work: Callable[[BlockTask], object], task: BlockTask, limit_s: float) -> str | None:
     """None if a process of its own finished the work, else "crashed" or "timeout". What the work raises is raised."""
-    context = multiprocessing.get_context("spawn")
-    ours, theirs = context.Pipe()
-    process = context.Process(target=_serve, args=(theirs, work, task), daemon=True)
-    process.start()
-    theirs.close()
-    try:
-        if not ours.poll(limit_s):
-            return "timeout"
-        error = ours.recv()
-    except EOFError:
-        return "crashed"
-    finally:
-        _end(process)
-        ours.close()
+    with _process(_serve, work, task) as answers:
+        try:
+            if not answers.poll(limit_s):
+                return "timeout"
+            error = answers.recv()
+        except EOFError:
+            return "crashed"
     if error is not None:
         raise error
     return None
 
 
-def _serve(answer: Connection, work: Callable[[BlockTask], object], task: BlockTask) -> None:
+@contextlib.contextmanager
+def _process(serve: Callable[..., None], *arguments: object) -> Iterator[Connection]:
+    """A process that answers through a connection; at the end it is gone, whatever it was doing."""
+    context = multiprocessing.get_context("spawn")
+    ours, theirs = context.Pipe()
+    process = context.Process(target=serve, args=(theirs, *arguments), daemon=True)
+    process.start()
+    theirs.close()
+    try:
+        yield ours
+    finally:
+        ours.close()
+        process.join(0.2)
+        if process.is_alive():
+            process.kill()
+        process.join(5.0)
+
+
+def _serve(answers: Connection, work: Callable[[BlockTask], object], task: BlockTask) -> None:
     from studies.worker import prepare
 
     prepare()
     try:
         work(task)
     except Exception as error:
-        answer.send(error)
+        answers.send(error)
     else:
-        answer.send(None)
+        answers.send(None)
 
 
-def _end(process: Any) -> None:
-    process.join(0.2)
-    if process.is_alive():
-        process.kill()
-    ends = time.monotonic() + 5.0
-    while process.is_alive() and time.monotonic() < ends:
-        time.sleep(0.01)
-    process.join(1.0)
+def _serve_all(answers: Connection, work: Work, tasks: Sequence[BlockTask]) -> None:
+    from studies.worker import prepare
+
+    prepare()
+    for task in tasks:
+        try:
+            answers.send(work(task))
+        except Exception as error:
+            answers.send(error)
+            return

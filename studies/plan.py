@@ -102,7 +102,11 @@ class Plan:
 
 
 def _levels(labels: Any) -> str:
-    return ", ".join(f"{k} {v}" for k, v in labels.items()) if isinstance(labels, Mapping) and labels else "without factors"
+    return (
+        ", ".join(f"{k} {v}" for k, v in labels.items())
+        if isinstance(labels, Mapping) and labels
+        else "without factors"
+    )
 
 
 def _differences(place: str, old: Any, new: Any) -> Iterator[str]:

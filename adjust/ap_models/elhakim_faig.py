@@ -12,7 +12,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from adjust.ap_models.model import ApModel, Certainty, Term, along_radius, numbered
+from adjust.ap_models.model import ApModel, Certainty, Term, along_radius, direction_harmonics, numbered
 from simfield.block import Floats
 
 
@@ -44,15 +44,16 @@ class ElHakimFaig11(ApModel):
 
 def harmonics(x: Floats, y: Floats) -> list[Floats]:
     """The functions of a3 .. a11, mm^1 to mm^3."""
-    r, lam = np.hypot(x, y), np.arctan2(y, x)
+    r = np.hypot(x, y)
+    cos, sin = direction_harmonics(x, y, 3)
     return [
-        r * np.cos(lam),
-        r * np.sin(lam),
+        r * cos[1],
+        r * sin[1],
         r**2,
-        r**2 * np.cos(2 * lam),
-        r**2 * np.sin(2 * lam),
-        r**3 * np.cos(lam),
-        r**3 * np.sin(lam),
-        r**3 * np.cos(3 * lam),
-        r**3 * np.sin(3 * lam),
+        r**2 * cos[2],
+        r**2 * sin[2],
+        r**3 * cos[1],
+        r**3 * sin[1],
+        r**3 * cos[3],
+        r**3 * sin[3],
     ]

@@ -12,7 +12,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from adjust.ap_models.model import ApModel, Certainty, Term, numbered
+from adjust.ap_models.model import ApModel, Certainty, Term, direction_harmonics, numbered
 from simfield.block import Floats
 
 
@@ -38,10 +38,11 @@ class Jacobsen12(ApModel):
         return numbered("p", 12)
 
     def terms(self, x: Floats, y: Floats) -> Sequence[Term]:
-        r, lam = np.hypot(x, y), np.arctan2(y, x)
-        angular = [np.cos(2 * lam), np.sin(2 * lam), np.cos(lam), np.sin(lam)]
-        across = [r * np.cos(lam), r * np.sin(lam)]
-        radial = [r**2 - 16384, np.sin(0.049087 * r), np.sin(0.098174 * r), np.sin(4 * lam)]
+        r = np.hypot(x, y)
+        cos, sin = direction_harmonics(x, y, 4)
+        angular = [cos[2], sin[2], cos[1], sin[1]]
+        across = [r * cos[1], r * sin[1]]
+        radial = [r**2 - 16384, np.sin(0.049087 * r), np.sin(0.098174 * r), sin[4]]
         return [
             (y, x),
             (x, -y),

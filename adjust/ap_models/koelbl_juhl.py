@@ -13,7 +13,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from adjust.ap_models.model import ApModel, Certainty, Term, along_radius, numbered
+from adjust.ap_models.model import ApModel, Certainty, Term, along_radius, direction_harmonics, numbered
 from simfield.block import Floats
 
 
@@ -47,7 +47,8 @@ class KoelblJuhl9(ApModel):
         return numbered("a", 9)
 
     def terms(self, x: Floats, y: Floats) -> Sequence[Term]:
-        r, lam, r0 = np.hypot(x, y), np.arctan2(y, x), self.r0_mm
+        r, r0 = np.hypot(x, y), self.r0_mm
+        cos, sin = direction_harmonics(x, y, 2)
         radial = [r**3 - r**5 / r0**2, r * (np.sin(np.pi * r / r0) - 1) ** 2, np.sin(4 * np.pi * r / r0)]
-        angular = [r**1.85 * f for f in (np.cos(lam), np.sin(lam), np.cos(2 * lam), np.sin(2 * lam))]
+        angular = [r**1.85 * f for f in (cos[1], sin[1], cos[2], sin[2])]
         return [(0, x), (0, y), *along_radius(x, y, [*radial, *angular])]

@@ -16,7 +16,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from adjust.ap_models.model import ApModel, Certainty, Term
+from adjust.ap_models.model import ApModel, Certainty, Term, direction_harmonics
 from simfield.block import Floats
 
 COMBINED = ("x11c_y11s", "x11s_y11c", "x22c_y22s", "x22s_y22c", "x20_x22c_y22s", "x22s_y20_y22c")
@@ -53,10 +53,11 @@ class Zernike(ApModel):
         return [(i, j, f) for i, j in pairs for f in (("c", "s") if j else ("",))]
 
     def terms(self, x: Floats, y: Floats) -> Sequence[Term]:
-        rho, lam = np.hypot(x, y) / np.hypot(self.bx_mm, self.by_mm), np.arctan2(y, x)
+        rho = np.hypot(x, y) / math.hypot(self.bx_mm, self.by_mm)
+        cos, sin = direction_harmonics(x, y, self.n)
 
         def Z(i: int, j: int, f: str = "") -> Floats:
-            angular: Floats = np.sin(j * lam) if f == "s" else np.cos(j * lam)
+            angular = sin[j] if f == "s" else cos[j]
             return radial_polynomial(i, j, rho) * angular
 
         z11c, z11s, z20, z22c, z22s = Z(1, 1), Z(1, 1, "s"), Z(2, 0), Z(2, 2), Z(2, 2, "s")

@@ -68,7 +68,7 @@ def compute(trials: int, jobs: int | None, seed: int) -> Findings:
     except (CountError, DistortionError) as error:
         raise ReproductionError(str(error)) from error
     film_trials = max(2, trials // FILM_SHARE)
-    with progress_bar(trials + film_trials, "flights") as bar:
+    with progress_bar(2 * len(experiment), "adjustments of all flights") as bar:
         flown = run_trials(world, experiment, trials, jobs, bar.update)
         film_flown = run_trials(film_world, experiment, film_trials, jobs, bar.update)
     with threadpool_limits(1):

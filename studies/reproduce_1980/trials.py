@@ -1,7 +1,7 @@
 """Many flights over one geometry: the 18 adjustments of Table 1 for each trial.
 
-A trial depends on seed and number alone, and trials are put in order before anything is computed from them, so the
-result is the same for any number of processes.
+A trial depends on seed and number alone, and each row is computed by itself, so the result is the same for any number of
+processes.
 """
 
 from __future__ import annotations
@@ -9,16 +9,15 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import Any
 
+import numpy as np
 import pandas as pd
 from joblib import Parallel, delayed
-from threadpoolctl import threadpool_limits
 
-from adjust import adjust_block, ap_models
+from adjust import adjust_replicates, ap_models
+from simfield.block import Block, Floats, Indices
 from simfield.simulate import World
-from studies.measures import geodetic_deviations
 from studies.reproduce_1980.experiment import Row, sub_block
 
-TRIALS_A_TASK = 4
 COUNTS = ("unknowns", "redundancy")
 MEASURES = ("m0_um", "mu_xy_mm", "mu_xy_coordinate_mm", "mu_z_mm")
 
@@ -28,34 +27,44 @@ def run_trials(
 ) -> pd.DataFrame:
     """One line for each trial and row: trial, row (a number), COUNTS, MEASURES, and failure, empty if there was none.
 
-    jobs None takes a process for each processor; `report` is told how many trials have been finished since it was last.
+    jobs None takes a process for each processor; `report` is told 1 for every row that is finished.
     """
-    tasks = [range(first, min(first + TRIALS_A_TASK, trials)) for first in range(0, trials, TRIALS_A_TASK)]
-    records: list[dict[str, Any]] = []
+    given = np.stack([world.given_coordinates(trial) for trial in range(trials)])
+    tables = []
     with Parallel(n_jobs=-1 if jobs is None else jobs, return_as="generator_unordered") as parallel:
-        for finished in parallel(delayed(_run_task)(world, rows, task) for task in tasks):
-            records += finished
-            report(len({r["trial"] for r in finished}))
-    return pd.DataFrame(records).sort_values(["row", "trial"], ignore_index=True)
+        for table in parallel(delayed(_run_row)(world, number, row, given) for number, row in enumerate(rows)):
+            tables.append(table)
+            report(1)
+    return pd.concat(tables).sort_values(["row", "trial"], ignore_index=True)
 
 
-def _run_task(world: World, rows: Sequence[Row], trials: Sequence[int]) -> list[dict[str, Any]]:
-    # two BLAS threads would change the last bits, and cost more than they bring
-    with threadpool_limits(1):
-        return [record for trial in trials for record in _run_trial(world, rows, trial)]
+def _run_row(world: World, number: int, row: Row, given: Floats) -> pd.DataFrame:
+    """All trials of one row; given (t, n, 3), m: the coordinates that the geodetic survey of each trial has found."""
+    whole, truth = world.observe(0)
+    block = sub_block(whole, truth, row.block, row.aux_points)
+    observations, points = _places(block, whole)
+    coordinates = given[:, points]
+    draws = world.draws(0, len(given)).only(observations)
+    r = adjust_replicates(block, ap_models.get(row.model), draws, coordinates=coordinates)
+    check = block.points.role == "check"
+    mu = 1000.0 * np.sqrt(np.mean((r.points - coordinates)[:, check] ** 2, axis=1))
+    mu_xy = np.hypot(mu[:, 0], mu[:, 1])
+    return pd.DataFrame(
+        {
+            "trial": np.arange(len(given)),
+            "row": number,
+            "unknowns": r.nominal.unknowns,
+            "redundancy": r.nominal.redundancy,
+            **dict(zip(MEASURES, (r.m0_um, mu_xy, mu_xy / np.sqrt(2.0), mu[:, 2]), strict=True)),
+            "failure": ["" if status.ok else status.value for status in r.status],
+        }
+    )
 
 
-def _run_trial(world: World, rows: Sequence[Row], trial: int) -> list[dict[str, Any]]:
-    block, truth = world.observe(trial)
-    parts = {part: sub_block(block, truth, *part) for part in {(row.block, row.aux_points) for row in rows}}
-    records = []
-    for number, row in enumerate(rows):
-        a = adjust_block(parts[row.block, row.aux_points], ap_models.get(row.model))
-        record: dict[str, Any] = {"trial": trial, "row": number, "unknowns": a.unknowns, "redundancy": a.redundancy}
-        record |= dict.fromkeys(MEASURES, float("nan"))
-        if a.status.ok:
-            found = geodetic_deviations(a)
-            metres = (found.rms_xy_m, found.rms_xy_coordinate_m, found.rms_z_m)
-            record.update(zip(MEASURES, (a.m0_um, *(1000.0 * v for v in metres)), strict=True))
-        records.append({**record, "failure": "" if a.status.ok else a.message})
-    return records
+def _places(part: Block, whole: Block) -> tuple[Indices, Indices]:
+    """Where the observations and the points of a sub-block stand in the whole block."""
+    place = {point: row for row, point in enumerate(whole.points.ids)}
+    points = np.array([place[point] for point in part.points.ids])
+    images = np.isin(whole.images.ids, part.images.ids)
+    kept = images[whole.observations.image] & np.isin(whole.observations.point, points)
+    return np.flatnonzero(kept), points
