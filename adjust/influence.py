@@ -91,10 +91,14 @@ class Influence:
         return len(self.rows.v)
 
     @cached_property
+    def leverage(self) -> Floats:
+        """(n) the diagonal of h."""
+        return np.asarray(np.einsum("ij,ij->i", self.t, self.t) + np.einsum("ij,ij->i", self.b, self.b))
+
+    @cached_property
     def redundancy(self) -> Floats:
         """(n) the redundancy numbers r_ii; 1 where the weight is 0, for nothing depends on such an observation."""
-        r = 1.0 - np.einsum("ij,ij->i", self.t, self.t) - np.einsum("ij,ij->i", self.b, self.b)
-        return np.where(r > NOTHING_LEFT, r, 0.0)
+        return np.where(1.0 - self.leverage > NOTHING_LEFT, 1.0 - self.leverage, 0.0)
 
     def hat(self, i: Indices, j: Indices) -> Floats:
         """h[i, j] (len(i), len(j))."""

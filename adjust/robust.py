@@ -138,7 +138,7 @@ def _alone(a: Adjustment, factor: Floats) -> tuple[Floats, Floats, Floats]:
     r_f, weight = influence.redundancy, influence.rows.weight
     checked = (r_f > 0.0) & (weight > 0.0)
     r_f = np.where(checked, r_f, np.nan)
-    r = 1.0 / (1.0 + np.maximum(1.0 - r_f, 0.0) / (factor * r_f))
+    r = 1.0 / (1.0 + influence.leverage / (factor * r_f))
     r = np.where(r > LEAST_CHECKED, r, np.nan)
     error = -influence.rows.v / r_f
     sigma = 1.0 / np.sqrt(np.where(checked, weight / factor, np.nan))

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any, NoReturn
 
 import click
 
-from studies import installation
+from studies import cli_studies, installation
 
 if TYPE_CHECKING:
     from adjust import Adjustment, ApModel
@@ -58,6 +58,9 @@ def main(ctx: click.Context) -> None:
     if ctx.invoked_subcommand != "doctor":
         for sentence in installation.shadows():
             raise Failure(f"{sentence}; `simfield doctor` says more")
+
+
+cli_studies.register(main)
 
 
 @main.command()

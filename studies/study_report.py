@@ -1,0 +1,125 @@
+"""The report of a study, readable as it is: the question, what was run, tables with standard errors, a figure."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from studies.conditions import factor_names
+from studies.plan import Plan
+from studies.summary import Row, Summary
+from studies.tables import DASH
+from studies.whole_files import write_whole
+
+MOST_LINES = 60
+MARKDOWN = str.maketrans({c: f"\\{c}" for c in "\\`*_[]<>|$#"})
+
+
+def write(summed: Summary, plan: Plan, folder: Path) -> list[Path]:
+    """Write report.md and the figure. Raises OSError."""
+    figures = _draw(summed, plan, folder)
+    path = folder / "report.md"
+    write_whole(path, page(summed, plan, [f for f in figures if f.suffix == ".svg"]).encode())
+    return [path, *figures]
+
+
+def page(summed: Summary, plan: Plan, figures: Sequence[Path] = ()) -> str:
+    """The report in Markdown."""
+    study = plan.study
+    lines = [f"# {study.name}", "", escaped(study.study.question.strip()), ""]
+    lines += [_what_was_run(summed, plan), ""]
+    for figure in figures:
+        lines += [f"![{', '.join(study.report.measures)}]({figure.name})", ""]
+    names = [*factor_names(study), *study.methods]
+    for measure in study.report.measures:
+        chosen = [row for row in summed.rows if row["measure"] == measure]
+        if chosen:
+            unit = "" if chosen[0]["unit"] == "1" else f", {chosen[0]['unit']}"
+            lines += [f"## {escaped(measure)}{unit}", "", *_table(chosen, names), ""]
+    compared = [row for row in summed.differences if row["measure"] in study.report.measures]
+    if compared:
+        lines += ["## Differences between methods, in pairs on the same trials", ""]
+        lines += [*_table(compared, [*factor_names(study), "method", "against", "measure", "unit"]), ""]
+    if summed.failures:
+        lines += ["## Failures", "", *(f"- {escaped(line)}" for line in summed.failures), ""]
+    return "\n".join(lines)
+
+
+def _what_was_run(summed: Summary, plan: Plan) -> str:
+    study = plan.study
+    ran = sorted({row["n"] + row["failures"] for row in summed.rows})
+    trials = f"{ran[0]}" if len(ran) == 1 else f"{ran[0]} to {ran[-1]}" if ran else "0"
+    return (
+        f"{len(plan.conditions)} conditions, {len(plan.methods)} methods, {trials} trials each, seed "
+        f"{study.study.seed}. Behind ± stands the Monte-Carlo standard error. All methods of a condition see the same "
+        "trials. Every figure is in summary.csv, the study itself in study.toml."
+    )
+
+
+def _table(rows: Sequence[Row], names: Sequence[str]) -> Iterator[str]:
+    """Rows in Markdown: the named columns, n, failures, estimate ± standard error."""
+    yield "| " + " | ".join([*map(escaped, names), "n", "failures", "estimate"]) + " |"
+    yield "| " + " | ".join(["---"] * len(names) + ["---:"] * 3) + " |"
+    for row in rows[:MOST_LINES]:
+        cells = [escaped(_plain(row.get(name, ""))) for name in names]
+        yield "| " + " | ".join([*cells, str(row["n"]), str(row["failures"]), with_error(row)]) + " |"
+    if len(rows) > MOST_LINES:
+        yield ""
+        yield f"The first {MOST_LINES} of {len(rows)} lines; all are in summary.csv and differences.csv."
+
+
+def with_error(row: Mapping[str, Any]) -> str:
+    """Estimate ± Monte-Carlo standard error, with digits that the error bears; a dash where there is nothing."""
+    estimate, mcse = row["estimate"], row["mcse"]
+    if not np.isfinite(estimate):
+        return DASH
+    if not np.isfinite(mcse):
+        return f"{estimate:.4g} ± {DASH}"
+    if mcse <= 0.0:
+        return f"{estimate:.4g}"
+    power = int(np.floor(np.log10(mcse)))
+    if -6 <= power <= 3:
+        digits = max(0, 1 - power)
+        return f"{estimate:.{digits}f} ± {mcse:.{digits}f}"
+    return f"{estimate:.5g} ± {mcse:.2g}"
+
+
+def _plain(value: Any) -> str:
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    return f"{value:g}" if isinstance(value, float) else str(value)
+
+
+def escaped(text: str) -> str:
+    """Text that Markdown and HTML show as it stands."""
+    return " ".join(text.split()).translate(MARKDOWN)
+
+
+def _draw(summed: Summary, plan: Plan, folder: Path) -> list[Path]:
+    """The measures of the report over its factor x, one axes each."""
+    study = plan.study
+    names = [*factor_names(study), *study.methods]
+    x = study.report.x or (names[0] if names else "")
+    measures = [m for m in study.report.measures if any(r["measure"] == m and np.isfinite(r["estimate"]) for r in summed.rows)]
+    if not measures or not x:
+        return []
+    from studies.canvas import house_style, new_figure, save
+    from studies.study_figures import MOST_SERIES, measure_over_factor, series_of
+
+    with house_style():
+        rows, columns = -(-len(measures) // 2), min(2, len(measures))
+        figure = new_figure(90.0 * columns, 66.0 * rows + 22.0)
+        grid: Any = figure.subplots(rows, columns, squeeze=False)
+        units = {row["measure"]: row["unit"] for row in summed.rows}
+        for axes, measure in zip(grid.ravel(), measures, strict=False):
+            series, labels = series_of(summed.rows, measure, x, names)
+            measure_over_factor(axes, series, labels, x, measure, units[measure])
+        for axes in grid.ravel()[len(measures) :]:
+            axes.set_visible(False)
+        handles, said = grid[0, 0].get_legend_handles_labels()
+        if len(said) > 1:
+            figure.legend(handles[:MOST_SERIES], said[:MOST_SERIES], loc="outside lower center", ncols=3, fontsize=6.5)
+        return save(figure, folder / "figure")
