@@ -11,6 +11,7 @@ from adjust.adjustment import Adjustment
 from adjust.ap_models.mauelshagen import NoModel
 from adjust.ap_models.model import ApModel
 from adjust.compiled_normals import Compiled
+from adjust.determinability import judged
 from adjust.normals import Plain
 from adjust.observations import Observations
 from adjust.solve import Arithmetic, Solution, solve
@@ -67,4 +68,4 @@ def _checked_solution(unknowns: Unknowns, groups: Observations, arithmetic: Arit
         start = initial.values(unknowns, groups.image_points)
     except initial.NoStartError as error:
         return Solution(nothing, Status.NO_START, str(error), 0)
-    return solve(groups, start, arithmetic)
+    return judged(solve(groups, start, arithmetic), unknowns, arithmetic)

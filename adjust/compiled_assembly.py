@@ -123,6 +123,21 @@ def gradient(
 
 
 @numba.njit(cache=True, error_model="numpy")
+def add_rays(point: Any, station: Any, direction: Any, matrix: Any, right: Any) -> None:
+    """The normal equations matrix (n, 3, 3), right (n, 3) of the points nearest to all their rays.
+
+    Of each ray (k): its point, a station (k, 3) on it and its unit direction (k, 3).
+    """
+    for k in range(point.size):
+        p = point[k]
+        for i in range(3):
+            for j in range(3):
+                across = (1.0 if i == j else 0.0) - direction[k, i] * direction[k, j]
+                matrix[p, i, j] += across
+                right[p, i] += across * station[k, j]
+
+
+@numba.njit(cache=True, error_model="numpy")
 def cholesky_blocks(pp: Any, least: float, lower: Any) -> int:
     """The inverse lower Cholesky factor L^-1 of every pp (n, 3, 3) into lower.
 

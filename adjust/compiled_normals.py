@@ -70,15 +70,19 @@ class Compiled:
         return np.asarray(starts[u.image_set])
 
     @cached_property
-    def aa(self) -> Floats:
-        """(A, A): the AP terms stand at the measured coordinates, so their normal equations never change."""
+    def linear_aa(self) -> Floats:
+        """(A, A) of the constant terms: they stand at the measured coordinates, so their normal equations never change."""
+        return self.aa(self.observations.image_points.basis)
+
+    def aa(self, terms: Floats) -> Floats:
+        """(A, A) of the AP terms (k, 2, a)."""
         g = self.observations.image_points
         u = g.unknowns
         images = 6 * len(u.block.images)
         aa = np.zeros((u.orientation - images, u.orientation - images))
         for number, s in enumerate(u.sets):
             rows = u.image_set[g.image] == number
-            basis = g.basis[rows, :, : len(s.model.parameters)].reshape(2 * int(rows.sum()), -1)
+            basis = terms[rows, :, : len(s.model.parameters)].reshape(2 * int(rows.sum()), -1)
             at = slice(s.columns.start - images, s.columns.stop - images)
             aa[at, at] = (basis * g.weight[rows].reshape(-1, 1)).T @ basis
         return aa
@@ -99,41 +103,45 @@ class Compiled:
         """The normal equations of all groups at x."""
         g = self.observations.image_points
         m, k, n, a = self.widths
-        v, by_exterior, by_point, depth = self._linearised(x)
+        v, by_exterior, by_point, terms, depth = self._linearised(x)
         ee, ea, pe, pa = np.zeros((m, 6, 6)), np.zeros((m, 6, a)), np.empty((k, 3, 6)), np.zeros((n, 3, a))
         pp, gradient_e, gradient_p = np.zeros((n, 3, 3)), np.zeros(6 * m + a), np.zeros((n, 3))
         vpv = loops.accumulate(
-            g.starts, g.point, g.weight, self.free, self.first, v, by_exterior, by_point, g.basis,
+            g.starts, g.point, g.weight, self.free, self.first, v, by_exterior, by_point, terms,
             ee, ea, pe, pa, pp, gradient_e[: 6 * m].reshape(m, 6), gradient_e[6 * m :], gradient_p,
         )  # fmt: skip
         vpv += self._add_control(x, pp, gradient_p)
-        return CompiledNormals(gradient_e, gradient_p, vpv, depth, ee, ea, self.aa, pe, pa, pp)
+        aa = self.linear_aa if terms is g.basis else self.aa(terms)
+        return CompiledNormals(gradient_e, gradient_p, vpv, depth, ee, ea, aa, pe, pa, pp)
 
     def gradient(self, x: Floats) -> Gradient:
         """The gradients, vPv and the least depth at x."""
         g = self.observations.image_points
         m, _, n, a = self.widths
-        v, by_exterior, by_point, depth = self._linearised(x)
+        v, by_exterior, by_point, terms, depth = self._linearised(x)
         gradient_e, gradient_p = np.zeros(6 * m + a), np.zeros((n, 3))
         vpv = loops.gradient(
-            g.starts, g.point, g.weight, self.free, self.first, v, by_exterior, by_point, g.basis,
+            g.starts, g.point, g.weight, self.free, self.first, v, by_exterior, by_point, terms,
             gradient_e[: 6 * m].reshape(m, 6), gradient_e[6 * m :], gradient_p,
         )  # fmt: skip
         vpv += self._add_control(x, None, gradient_p)
         return Gradient(gradient_e, gradient_p, vpv, depth)
 
-    def _linearised(self, x: Floats) -> tuple[Floats, Floats, Floats, float]:
+    def _linearised(self, x: Floats) -> tuple[Floats, Floats, Floats, Floats, float]:
         g = self.observations.image_points
         u = g.unknowns
         exterior = np.ascontiguousarray(u.exterior(x))
-        v = (g.basis @ g.ap_values(x)[g.image][:, :, None])[:, :, 0]
+        at = g.distortion(x)
+        v = at.d.copy() if g.not_linear else at.d
         by_exterior, by_point = np.empty((len(v), 2, 6)), np.empty((len(v), 2, 3))
         rotation = rotation_matrices(exterior[:, 3:])
         points = np.ascontiguousarray(u.points(x))
         depth = loops.linearise(
-            exterior, rotation, g.interior, points, g.starts, g.point, g.xy, v, by_exterior, by_point
+            exterior, rotation, at.interior, points, g.starts, g.point, g.xy, v, by_exterior, by_point
         )
-        return v, by_exterior, by_point, depth
+        if g.not_linear:
+            g.add_principal_distance(at, v - at.d + g.xy)
+        return v, by_exterior, by_point, at.terms, depth
 
     def _add_control(self, x: Floats, pp: Floats | None, gradient_p: Floats) -> float:
         """The weighted and the fixed control; returns the vPv of the former."""

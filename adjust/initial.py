@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from adjust.compiled_assembly import add_rays
 from adjust.observations import ImagePoints
 from adjust.rotation import rotation_matrices
 from adjust.status import CHECK_START
@@ -79,10 +80,8 @@ def _intersect(exterior: Floats, points: Floats, image_points: ImagePoints) -> N
     station, direction = _rays(exterior, g)
     usable = np.isfinite(direction[:, 0]) & np.isnan(points[g.point]).any(axis=1)
     point, station, direction = g.point[usable], station[usable], direction[usable]
-    across = np.eye(3) - direction[:, :, None] * direction[:, None, :]
     matrix, right = np.zeros((len(points), 3, 3)), np.zeros((len(points), 3))
-    np.add.at(matrix, point, across)
-    np.add.at(right, point, np.einsum("kij,kj->ki", across, station))
+    add_rays(point, station, direction, matrix, right)
     rays = np.bincount(point, minlength=len(points))
     weakest = np.linalg.eigvalsh(matrix)[:, 0]
     meet = (rays >= 2) & (weakest > NARROW)

@@ -11,7 +11,7 @@ from functools import cached_property
 import numpy as np
 
 from adjust.collinearity import linearise, project
-from adjust.unknowns import Unknowns
+from adjust.unknowns import ApSet, Unknowns
 from simfield.block import Block, Floats, Indices
 
 
@@ -31,6 +31,19 @@ class ImagePointJacobian:
 
 
 @dataclass(frozen=True, eq=False)
+class Distortion:
+    """d(measured) (k, 2), mm, with its derivatives by the additional parameters, terms (k, 2, a).
+
+    interior (m, 3): c, x0, y0 of every image, mm, c with what the parameters add to it. The terms are the constant
+    basis itself where all sets are linear, a copy otherwise.
+    """
+
+    d: Floats
+    terms: Floats
+    interior: Floats
+
+
+@dataclass(frozen=True, eq=False)
 class ImagePoints:
     """The image coordinates of a block: measured + v = projected + d(measured), sorted by image.
 
@@ -47,7 +60,8 @@ class ImagePoints:
     interior: Floats
     """(m, 3) c, x0, y0 of every image, mm"""
     basis: Floats
-    """(k, 2, a) AP terms at the measured coordinates, zero-padded to the largest set"""
+    """(k, 2, a) AP terms at the measured coordinates, zero-padded to the largest set; where a set is not linear, those
+    at parameters of 0"""
 
     @classmethod
     def of(cls, block: Block, unknowns: Unknowns) -> ImagePoints:
@@ -80,22 +94,63 @@ class ImagePoints:
             row[: len(s.model.parameters)] = x[s.columns]
         return np.asarray(padded[self.unknowns.image_set])
 
-    def _distorted(self, projected: Floats, x: Floats) -> Floats:
-        distortion = np.einsum("kij,kj->ki", self.basis, self.ap_values(x)[self.image])
-        return np.asarray(projected + distortion - self.xy)
+    @cached_property
+    def not_linear(self) -> tuple[tuple[ApSet, Indices, Indices], ...]:
+        """The sets that are not linear, with the rows (k') and the images (m') that have them."""
+        u = self.unknowns
+        return tuple(
+            (s, np.flatnonzero(u.image_set[self.image] == number), np.flatnonzero(u.image_set == number))
+            for number, s in enumerate(u.sets)
+            if not s.model.linear
+        )
+
+    def distortion(self, x: Floats) -> Distortion:
+        """d and its derivatives at x, and the interior orientation to project with."""
+        d = (self.basis @ self.ap_values(x)[self.image][:, :, None])[:, :, 0]
+        if not self.not_linear:
+            return Distortion(d, self.basis, self.interior)
+        terms, interior = self.basis.copy(), self.interior.copy()
+        for s, rows, images in self.not_linear:
+            values = x[s.columns]
+            reduced = self.xy[rows] - self.interior[self.image[rows], 1:]
+            d[rows], terms[rows, :, : len(values)] = s.model.evaluate(reduced[:, 0], reduced[:, 1], values)
+            if s.model.principal_distance:
+                interior[images, 0] += values[s.model.parameters.index(s.model.principal_distance)]
+        return Distortion(d, terms, interior)
+
+    def add_principal_distance(self, at: Distortion, projected: Floats) -> None:
+        """Put the derivative of projected (k, 2) by the principal distance, -p_x/p_z, into the terms that stand for it."""
+        for s, rows, _ in self.not_linear:
+            if s.model.principal_distance:
+                interior = at.interior[self.image[rows]]
+                column = s.model.parameters.index(s.model.principal_distance)
+                at.terms[rows, :, column] = (projected[rows] - interior[:, 1:]) / interior[:, :1]
+
+    def squared_effects(self, x: Floats) -> Floats:
+        """(A) the diagonal of the normal equations of all additional parameters, set after set."""
+        u, first = self.unknowns, 6 * len(self.unknowns.block.images)
+        squared = self.weight[:, :, None] * self.jacobian(x).by_orientation[:, :, 6:] ** 2
+        effects = np.zeros(u.orientation - first)
+        for number, s in enumerate(u.sets):
+            rows = u.image_set[self.image] == number
+            effects[s.columns.start - first : s.columns.stop - first] = squared[rows].sum(axis=(0, 1))[
+                : len(s.model.parameters)
+            ]
+        return effects
 
     def residuals(self, x: Floats) -> tuple[Floats, Floats]:
         """v (k, 2), mm, and the depths (k), m, in the group's order."""
-        u = self.unknowns
-        projected, depth = project(u.exterior(x), self.interior, u.points(x)[self.point], self.image)
-        return self._distorted(projected, x), depth
+        u, at = self.unknowns, self.distortion(x)
+        projected, depth = project(u.exterior(x), at.interior, u.points(x)[self.point], self.image)
+        return projected + at.d - self.xy, depth
 
     def jacobian(self, x: Floats) -> ImagePointJacobian:
-        u = self.unknowns
-        at = linearise(u.exterior(x), self.interior, u.points(x)[self.point], self.image)
+        u, distorted = self.unknowns, self.distortion(x)
+        at = linearise(u.exterior(x), distorted.interior, u.points(x)[self.point], self.image)
+        self.add_principal_distance(distorted, at.xy)
         return ImagePointJacobian(
-            self._distorted(at.xy, x),
-            np.concatenate([at.by_exterior, self.basis], axis=2),
+            at.xy + distorted.d - self.xy,
+            np.concatenate([at.by_exterior, distorted.terms], axis=2),
             at.by_point * self.free,
             at.depth,
         )

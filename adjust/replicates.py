@@ -84,14 +84,14 @@ class Replicates:
     @property
     def images(self) -> Floats:
         """(t, m, 6) exterior orientations, m and rad."""
-        images = self.trials.x[:, : 6 * len(self.nominal.block.images)].reshape(len(self), -1, 6).copy()
+        images = self.trials.x[:, : 6 * len(self.nominal.block.images)].reshape(len(self), len(self.nominal.block.images), 6).copy()
         images[:, :, :3] += self.nominal.layout.origin
         return images
 
     @property
     def points(self) -> Floats:
         """(t, n, 3) adjusted coordinates, m."""
-        reduced = self.trials.x[:, self.nominal.layout.orientation :].reshape(len(self), -1, 3)
+        reduced = self.trials.x[:, self.nominal.layout.orientation :].reshape(len(self), len(self.nominal.block.points), 3)
         return np.asarray(reduced + self.nominal.layout.origin)
 
     def ap(self, set_id: str) -> Floats:
@@ -103,8 +103,13 @@ class Replicates:
 
     @property
     def std(self) -> Floats:
-        """(t, size) formal standard deviations: nominal cofactors times each trial's sigma0 (good to about 2e-4)."""
-        return np.asarray(self.sigma0[:, None] * np.sqrt(self.nominal.cofactors.diagonal))
+        """(t, size) formal standard deviations: each trial's sigma0 times the root of the cofactors.
+
+        The cofactors are those of each trial where `exact_std` was asked for, else the nominal ones for all, which is
+        good to about 2e-4.
+        """
+        q = self.nominal.cofactors.diagonal if self.trials.cofactors is None else self.trials.cofactors
+        return np.asarray(self.sigma0[:, None] * np.sqrt(q))
 
 
 def adjust_replicates(
@@ -113,13 +118,15 @@ def adjust_replicates(
     image_points: ImagePointTrials,
     *,
     coordinates: Floats | None = None,
+    exact_std: bool = False,
     jobs: int = 1,
 ) -> Replicates:
     """Adjust t trials that share the geometry of `block`.
 
     image_points (t, k, 2), mm, in the order of the block's observations: an array, or an object with a length whose
     slices are such arrays. coordinates (t, n, 3), m: the given coordinates of the points in every trial, where control
-    is disturbed too; None: those of the block. jobs: processes; the result does not depend on their number.
+    is disturbed too; None: those of the block. exact_std: also the cofactors of every trial, which costs as much as
+    adjusting it singly. jobs: processes; the result does not depend on their number.
 
     Returns what `adjust_block` finds for every trial, to 1e-8 standard deviations of every unknown. Raises ValueError
     when the block itself cannot be adjusted or shapes do not fit.
@@ -127,7 +134,7 @@ def adjust_replicates(
     count = len(image_points)
     _check_shapes(block, image_points, coordinates)
     with threadpool_limits(1):
-        chord = Chord.of(block, model)
+        chord = Chord.of(block, model, exact_std)
     tasks = [slice(first, min(first + TASK, count)) for first in range(0, count, TASK)]
     if jobs == 1:
         parts = [_solve(chord, image_points, coordinates, task) for task in tasks]

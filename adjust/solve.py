@@ -22,8 +22,8 @@ from adjust.status import CHECK_START, Status
 from simfield.block import Floats
 
 ERROR_LEFT = 1e-9
-CHORD_BELOW = 30.0
-CONTRACTION_MOST = 0.1
+CHORD_BELOW = 100.0
+CONTRACTION_MOST = 0.05
 """a chord step that contracts less asks for new normal equations"""
 ROUNDING = 16 * np.finfo(float).eps
 ITERATIONS_MOST = 50
@@ -34,6 +34,10 @@ HALVINGS_MOST = 12
 
 class Arithmetic(Protocol):
     """How normal equations are made and factorised: adjust.normals.Plain or adjust.compiled_normals.Compiled."""
+
+    @property
+    def observations(self) -> Observations:
+        """What is adjusted."""
 
     def at(self, x: Floats) -> Any:
         """The normal equations at x, with `finite`, `vpv` and `depth`."""
@@ -57,11 +61,10 @@ class Solution:
 
 def solve(observations: Observations, start: Floats, arithmetic: Arithmetic) -> Solution:
     """Minimise vPv from `start`."""
-    behind = points_behind(observations, start)
-    if behind:
-        return Solution(start, Status.BEHIND_CAMERA, behind, 0)
     rounding = ROUNDING * observations.magnitude
     x, normals = start, arithmetic.at(start)
+    if not normals.depth > 0.0:
+        return Solution(start, Status.BEHIND_CAMERA, points_behind(observations, start), 0)
     factor: Any = None
     chord, length = False, np.inf
     for iteration in range(1, ITERATIONS_MOST + 1):

@@ -90,11 +90,12 @@ def dask_cluster(
 ) -> Iterator[int | Broken]:
     """On a running dask cluster. Raises BackendError if there is none or its scheduler is lost."""
     try:
-        from distributed import Client, wait
+        import distributed
     except ImportError:
         raise BackendError("--backend dask needs the extra `cluster`: pip install 'simfield[cluster]'") from None
+    cluster: Any = distributed
     try:
-        client: Any = Client(scheduler, timeout=10, set_as_default=False)
+        client: Any = cluster.Client(scheduler, timeout=10, set_as_default=False)
     except (OSError, TimeoutError, ValueError) as error:
         raise BackendError(f"no dask scheduler at {scheduler}: {str(error).splitlines()[0]}") from None
     by_key = {}
@@ -106,7 +107,7 @@ def dask_cluster(
         while waiting:
             _refuse_lost(client, scheduler)
             with contextlib.suppress(TimeoutError):
-                wait(list(waiting), timeout=LOOK_EVERY_S, return_when="FIRST_COMPLETED")
+                cluster.wait(list(waiting), timeout=LOOK_EVERY_S, return_when="FIRST_COMPLETED")
             finished = {f for f in waiting if f.done()}
             if finished:
                 ends = time.monotonic() + _patience(tasks, trial_limit_s, client)

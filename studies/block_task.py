@@ -46,7 +46,8 @@ class BlockTask:
 
 def image_points(world: World, trials: Sequence[int]) -> Floats:
     """(t, k, 2) measured image coordinates of some trials, mm: the one place where trials are drawn."""
-    return np.stack([world.image_points(trial) for trial in trials])
+    runs = np.split(np.asarray(trials), np.flatnonzero(np.diff(trials) != 1) + 1)
+    return np.concatenate([world.draws(int(run[0]), int(run[-1]) + 1)[:] for run in runs])
 
 
 def run_task(store: Store, draw: Draw, task: BlockTask) -> int:
@@ -73,42 +74,62 @@ def compute(task: BlockTask, draw: Draw = image_points) -> tuple[Columns, Column
         except (CountError, ArithmeticError, ValueError) as error:
             nothing = {m.key: _nothing(task) for m in task.methods}
             return _flat(nothing), _flat({}), dict.fromkeys(nothing, str(error))
-        xy, given = _drawn(world, task, draw)
+        xy, given, undrawn = _drawn(world, task, draw)
         trials, nominal, reasons = {}, {}, {}
+        rays: dict[tuple[str, bool], Floats] = {}
         for method in task.methods:
             try:
-                trials[method.key], nominal[method.key] = _adjusted(world, method, xy, given)
+                trials[method.key], nominal[method.key] = _adjusted(world, method, xy, given, rays)
             except (BlockError, ValueError) as error:
                 trials[method.key], reasons[method.key] = _nothing(task), str(error)
-            _blot_out(trials[method.key], task)
+            _blot_out(trials[method.key], task, {**task.lost, **undrawn})
     return _flat(trials), _padded(_flat(nominal)), reasons
 
 
-def _drawn(world: World, task: BlockTask, draw: Draw) -> tuple[Floats, Floats]:
-    """Image points (t, k, 2) mm and given coordinates (t, n, 3) m; lost trials are replaced by the world without noise.
+def _drawn(world: World, task: BlockTask, draw: Draw) -> tuple[Floats, Floats, dict[int, str]]:
+    """Image points (t, k, 2) mm, given coordinates (t, n, 3) m, and the trials that cannot be drawn.
 
-    They keep their place, so that no other trial changes its neighbours in the computation.
+    Lost trials are replaced by the world without noise. They keep their place, so that no other trial changes its
+    neighbours in the computation.
     """
     kept = [trial for trial in range(task.first, task.stop) if trial not in task.lost]
     rows = [trial - task.first for trial in kept]
     xy = np.repeat(world.distorted[None], len(task), axis=0)
     given = np.repeat(world.field.coordinates[world.place][None], len(task), axis=0)
+    undrawn = {}
     if kept:
-        xy[rows] = draw(world, kept)
+        try:
+            xy[rows] = draw(world, kept)
+        except (ArithmeticError, ValueError):  # such as a film deformation that is too steep
+            undrawn = _draw_one_by_one(world, draw, task.first, kept, xy)
         given[rows] = np.stack([world.given_coordinates(trial) for trial in kept])
-    return xy, given
+    return xy, given, undrawn
 
 
-def _adjusted(world: World, method: Method, xy: Floats, given: Floats) -> tuple[Columns, Columns]:
+def _draw_one_by_one(world: World, draw: Draw, first: int, trials: Sequence[int], xy: Floats) -> dict[int, str]:
+    undrawn = {}
+    for trial in trials:
+        try:
+            xy[trial - first] = draw(world, [trial])[0]
+        except (ArithmeticError, ValueError):
+            undrawn[trial] = "undrawn"
+    return undrawn
+
+
+def _adjusted(
+    world: World, method: Method, xy: Floats, given: Floats, rays: dict[tuple[str, bool], Floats]
+) -> tuple[Columns, Columns]:
+    """The columns of a method's trials and its nominal columns; `rays` keeps the image points of parts seen before."""
     from adjust.replicates import adjust_replicates
     from studies.parts import Part
     from studies.trial_columns import nominal_columns, trial_columns
 
     part: Part = Part.of(world, method)
-    # a contiguous copy for the kernel, or none where the part is the whole
-    own_xy = xy if len(part.rays) == xy.shape[1] else xy[:, part.rays]
+    which = (method.cameras, method.aux_points)
+    if which not in rays:
+        rays[which] = xy if len(part.rays) == xy.shape[1] else np.take(xy, part.rays, axis=1)
     own_given = given[:, part.points]
-    replicates = adjust_replicates(part.block, method.ap_model(), own_xy, coordinates=own_given)
+    replicates = adjust_replicates(part.block, method.ap_model(), rays[which], coordinates=own_given)
     return dict(trial_columns(replicates, part, own_given)), dict(nominal_columns(replicates.nominal, part))
 
 
@@ -118,11 +139,11 @@ def _nothing(task: BlockTask) -> Columns:
     return {"status": np.full(len(task), NO_NOMINAL, dtype=np.int8)}
 
 
-def _blot_out(columns: Columns, task: BlockTask) -> None:
+def _blot_out(columns: Columns, task: BlockTask, lost: Mapping[int, str]) -> None:
     """What was computed in the place of lost trials is no result."""
     from studies.trial_columns import LOST
 
-    for trial, fate in task.lost.items():
+    for trial, fate in lost.items():
         if task.first <= trial < task.stop:
             for values in columns.values():
                 values[trial - task.first] = LOST[fate] if values.dtype == np.int8 else np.nan

@@ -14,7 +14,7 @@ from studies import performance
 from studies.block_task import BEFORE, Columns
 from studies.measures import CONFIDENCE
 from studies.performance import Measured
-from studies.trial_columns import CONSTANTS, CONVERGED, DEVIATIONS, NO_NOMINAL
+from studies.trial_columns import CONSTANTS, CONVERGED, CRASHED, DEVIATIONS
 
 UNITS = {"m0_um": "um", "coverage_xy": "1", "coverage_z": "1"}
 ANGLES = ("omega", "phi", "kappa")
@@ -67,13 +67,13 @@ class Cell:
     @property
     def lost(self) -> bool:
         """Whether the cell is no result: no trial converged, or some were lost to crashes or had no end."""
-        return bool(len(self.status)) and (not self.kept.any() or bool(np.any(self.status >= NO_NOMINAL - 2)))
+        return bool(len(self.status)) and (not self.kept.any() or bool(np.any(self.status >= CRASHED)))
 
     @property
     def inside(self) -> Floats:
         """(m, q) 1 where the 95 % interval of a tracked unknown contains its estimand."""
         t = stdtrit(self.constants["redundancy"], 0.5 + CONFIDENCE / 2.0)
-        return (np.abs(self.error) <= t * self.std).astype(float)
+        return np.asarray(np.abs(self.error) <= t * self.std, dtype=float)
 
 
 def measured(cell: Cell) -> dict[str, Measured]:

@@ -196,6 +196,8 @@ def _setting(text: str, defaults: dict[str, Any]) -> tuple[str, Any]:
         if value.lower() not in ("true", "false"):
             raise click.UsageError(f"--set {text}: {name} is true or false")
         return name, value.lower() == "true"
+    if isinstance(default, tuple):
+        return name, tuple(part.strip() for part in value.split(","))
     try:
         return name, type(default)(value)
     except ValueError as error:

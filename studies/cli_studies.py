@@ -62,6 +62,8 @@ def _exit_codes() -> Iterator[None]:
         raise StoreFailure(str(error)) from error
     except BackendError as error:
         raise Failure(str(error)) from error
+    except BrokenPipeError:
+        raise
     except OSError as error:
         raise Failure(f"{error.filename or 'the store'}: {error.strerror or error}; what is whole is kept") from error
 
@@ -125,11 +127,13 @@ def _run(asked: Study, folder: Path, options: dict[str, Any], trial_limit: float
 
     jobs = options.pop("jobs") or os.cpu_count() or 1
     how = How(**{k: v for k, v in options.items() if v is not None}, jobs=jobs, trial_limit_s=trial_limit)
-    bar: Any = progress_bar(0, " trials")
+    bars: list[Any] = []
 
     def count(done: int, of: int) -> None:
-        bar.total = of
-        bar.update(done - bar.n)
+        if not bars:
+            bars.append(progress_bar(of, " trials"))
+        bars[0].total = of
+        bars[0].update(done - bars[0].n)
 
     try:
         outcome = run_study(asked, folder, how, lambda line: click.echo(line, err=True), count)
@@ -137,7 +141,8 @@ def _run(asked: Study, folder: Path, options: dict[str, Any], trial_limit: float
         click.echo(f"stopped; every finished block is kept in {folder}, the same command goes on from there", err=True)
         raise
     finally:
-        bar.close()
+        for bar in bars:
+            bar.close()
     for path in outcome.files:
         click.echo(path)
     for line in outcome.failures:
@@ -161,18 +166,22 @@ def _dry(asked: Study) -> str:
             sizes.append(len(build_world(condition.scenario, condition.seed).image))
         except (ArithmeticError, ValueError) as error:
             lines.append(f"condition {condition.id} cannot be simulated: {error}")
-    cells = len(plan.conditions) * len(plan.methods)
+    conditions, methods = len(plan.conditions), len(plan.methods)
+    cells = conditions * methods
     seconds = SECONDS_AN_ADJUSTMENT * (sum(sizes) / max(1, len(sizes))) * cells * plan.trials
     upto = "up to " if asked.trials.target_mcse else ""
     lines += [
-        f"{len(plan.conditions)} conditions x {len(plan.methods)} methods = {cells} cells, {upto}{plan.trials} trials each",
-        f"{len(plan.conditions) * plan.blocks} blocks of {asked.trials.block} trials; {upto}about {_duration(seconds)} on a core",
+        f"{conditions} conditions x {methods} methods = {cells} cells, {upto}{plan.trials} trials each",
+        f"{conditions * plan.blocks} blocks of {asked.trials.block} trials",
+        f"{upto}about {_duration(seconds)} on a core, compiling not counted",
     ]
     return "\n".join(lines)
 
 
 def _duration(seconds: float) -> str:
-    return f"{seconds / 3600:.1f} h" if seconds > 5400 else f"{seconds / 60:.0f} min" if seconds > 90 else f"{seconds:.0f} s"
+    if seconds > 5400.0:
+        return f"{seconds / 3600.0:.1f} h"
+    return f"{seconds / 60.0:.0f} min" if seconds > 90.0 else f"{seconds:.0f} s"
 
 
 @click.command()

@@ -27,7 +27,8 @@ MODEL_SETTINGS: Mapping[str, tuple[str, ...]] = {
     "schut14": (),
     "salmenpera-kilpela7": ("r0_mm",),
     "gruen44": ("b_mm",),
-    "brown1976": ("c_mm",),
+    "brown1971": ("c_mm", "without"),
+    "brown1976": ("c_mm", "without"),
     "jacobsen12": (),
     "legendre": ("m", "n", "bx_mm", "by_mm"),
     "fourier": ("m", "n", "bx_mm", "by_mm"),
@@ -82,7 +83,13 @@ class Method:
         return ap_models.get(self.model, **dict(self.settings))
 
 
+def _setting(name: str, value: Any) -> Any:
+    return tuple(value) if isinstance(value, list) else float(value) if name.endswith("_mm") else value
+
+
 def _shown(value: Any) -> str:
+    if isinstance(value, tuple):
+        return ",".join(value)
     if isinstance(value, Mapping):
         return "+".join(f"{k}:{v:g}" for k, v in sorted(value.items()))
     return (
@@ -106,7 +113,7 @@ def method_of(levels: Mapping[str, Any]) -> Method:
     settings = {} if isinstance(ap, str) else {k: v for k, v in ap.items() if k != "id"}
     return Method(
         model=ap if isinstance(ap, str) else ap["id"],
-        settings={k: float(v) if k.endswith("_mm") else v for k, v in settings.items()},
+        settings={k: _setting(k, v) for k, v in settings.items()},
         cameras=levels.get("cameras", ALL),
         aux_points=levels.get("aux_points", True),
         image_um=levels.get("image_um"),
@@ -169,6 +176,8 @@ def _ap_faults(level: Any) -> list[str]:
     model = level.get("id") if isinstance(level, Mapping) else level
     if not isinstance(model, str):
         return [f': found {shown(level)}, allowed: the id of an AP model or {{id = "optical", r0_mm = 90}}']
+    if ":" in model:  # a set of the user's own, which is not loaded before it is used
+        return []
     if model not in MODEL_SETTINGS:
         return [f": no AP model {model!r}{nearest(model, MODEL_SETTINGS)}"]
     if not isinstance(level, Mapping):
@@ -178,6 +187,9 @@ def _ap_faults(level: Any) -> list[str]:
         if name != "id" and name not in MODEL_SETTINGS[model]:
             allowed = nearest(name, MODEL_SETTINGS[model]) if MODEL_SETTINGS[model] else "; it has none"
             faults.append(f".{name}: unknown setting of {model}{allowed}")
+        elif name == "without":
+            if not isinstance(value, list | tuple) or not all(isinstance(v, str) for v in value):
+                faults.append(f".{name}: found {shown(value)}, allowed: a list of parameters")
         elif name != "id" and (
             isinstance(value, bool) != name.endswith("printed") or not isinstance(value, int | float)
         ):

@@ -178,6 +178,8 @@ def draw_fields(model: ApModel, path: str | Path) -> None:
 
 
 def _number(value: Any) -> str:
+    if isinstance(value, tuple):
+        return ",".join(value) or "-"
     return f"{value:g}" if isinstance(value, float) else str(value)
 
 

@@ -149,7 +149,7 @@ def look_at(store: Store, plan: Plan, condition: Condition, block: int) -> Shard
 
 
 def joined(store: Store, plan: Plan, condition: Condition, trials: int) -> tuple[Columns, Columns]:
-    """The columns of the first trials of a condition, and its nominal columns. Raises DamageError, FileNotFoundError."""
+    """The columns of the first trials of a condition, and its nominal ones. Raises DamageError, FileNotFoundError."""
     import numpy as np
 
     size = plan.study.trials.block

@@ -22,7 +22,9 @@ def condition_named(plan: Plan, name: str) -> Condition:
         return plan.conditions[int(name) - 1]
     found = [c for c in plan.conditions if c.id.startswith(name)] if len(name) >= BEGINNING else []
     if len(found) != 1:
-        raise StudyError(f"no condition {name!r}; give the id, its beginning, or a number from 1 to {len(plan.conditions)}")
+        raise StudyError(
+            f"no condition {name!r}; give the id, its beginning, or a number from 1 to {len(plan.conditions)}"
+        )
     return found[0]
 
 
@@ -36,7 +38,7 @@ def replay(plan: Plan, condition: Condition, trial: int) -> Iterator[str]:
     first = trial - trial % LANES
     for method in plan.methods:
         yield f"{method.key}:"
-        others = {t: "crashed" for t in range(first, trial)}
+        others = dict.fromkeys(range(first, trial), "crashed")
         alone = type(task)(condition, (method,), task.block, first, trial + 1, others)
         columns, _, reasons = compute(alone)
         own = {name.split(BEFORE, 1)[1]: values[-1] for name, values in columns.items()}

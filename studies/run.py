@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 from studies import backends, isolation, stopping
@@ -13,7 +13,7 @@ from studies.block_task import BlockTask, Draw, compute, image_points, run_task
 from studies.machine import machine
 from studies.plan import Plan, Shard, look_at
 from studies.store import Store, locked
-from studies.study import Study
+from studies.study import Study, StudyError
 from studies.whole_files import write_whole
 from studies.worker import become_main
 
@@ -62,6 +62,7 @@ def run(
     how = how or How()
     become_main()
     plan = Plan.of(study)
+    refuse_wrong_settings(plan)
     with locked(folder, "{}-of-{}".format(*how.part) if how.part else "") as swept:
         store = opened(folder, plan)
         if swept:
@@ -70,6 +71,15 @@ def run(
         if how.part:
             return Outcome((), tuple(lost_trials(plan, store)))
         return summarised(plan, store)
+
+
+def refuse_wrong_settings(plan: Plan) -> None:
+    """Raise StudyError for a setting that an AP model does not take; only the models themselves know."""
+    for method in plan.methods:
+        try:
+            method.ap_model()
+        except (KeyError, TypeError, ValueError) as error:
+            raise StudyError(f"methods.ap: {method.key}: {error.args[0]}") from None
 
 
 def opened(folder: Path, plan: Plan) -> Store:
@@ -169,8 +179,3 @@ def lost_trials(plan: Plan, store: Store) -> list[str]:
         for c in plan.conditions
         for trial, fate in sorted(store.failed(c.id).items())
     ]
-
-
-def planned(study: Study) -> Plan:
-    """The plan of a study with its levels as they are; for commands that only look."""
-    return replace(Plan.of(study))

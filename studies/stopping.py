@@ -11,15 +11,14 @@ from __future__ import annotations
 import fnmatch
 from collections.abc import Iterator
 
-import numpy as np
-
+from studies.block_task import Columns
 from studies.conditions import Condition
 from studies.plan import Plan, joined
 from studies.store import Store
 
 
 def rounds(plan: Plan, store: Store, jobs: int, *, whole_study: bool = True) -> Iterator[list[tuple[Condition, int]]]:
-    """The blocks that are needed next, until nothing is. Part of an array job cannot see the others: it gets them all."""
+    """The blocks that are needed next, until nothing is. A part of an array job cannot see the others and gets all."""
     if not plan.study.trials.target_mcse or not whole_study:
         yield list(plan.tasks())
         return
@@ -66,7 +65,7 @@ def trials_of(plan: Plan, store: Store, condition: Condition) -> int:
     return plan.trials if stop is None else stop
 
 
-def _reached(plan: Plan, columns: dict[str, np.ndarray], nominal: dict[str, np.ndarray]) -> bool:  # type: ignore[type-arg]
+def _reached(plan: Plan, columns: Columns, nominal: Columns) -> bool:
     from studies.cells import Cell, measured
 
     for method in plan.methods:

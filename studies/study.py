@@ -79,9 +79,12 @@ class Paired:
 
 @dataclass(frozen=True)
 class Report:
-    """What the figures show: measures over the factor x, and correlations from least_correlation on."""
+    """What the figures show: measures over the factor x, a line for each combination of the factors `series` (none
+    named: of all that vary), and correlations from least_correlation on.
+    """
 
     x: str = ""
+    series: tuple[str, ...] = ()
     measures: tuple[str, ...] = ("m0_um", "mu_xy_mm", "mu_z_mm", "coverage_z")
     least_correlation: float = 0.3
 
@@ -196,7 +199,8 @@ def _checked(table: Mapping[str, Any], text: str) -> Study:
 def _adapter() -> TypeAdapter[Study]:
     from pydantic import ConfigDict, TypeAdapter, with_config
 
-    for table in (Study, *TABLES.values()):
+    tables: tuple[type[Any], ...] = (Study, *TABLES.values())
+    for table in tables:
         with_config(ConfigDict(extra="forbid", allow_inf_nan=False))(table)
     return TypeAdapter(Study)
 

@@ -110,7 +110,8 @@ def _paired(study: Study) -> Iterator[str]:
     names = conditions.factor_names(study)
     for number, name in enumerate(study.paired.factors):
         if name not in names:
-            yield f"paired.factors[{number}]: {name!r} is no factor of this study{nearest(name, names) if names else ''}"
+            hint = nearest(name, names) if names else ""
+            yield f"paired.factors[{number}]: {name!r} is no factor of this study{hint}"
     for key, level in study.paired.against.items():
         if key not in study.methods:
             yield f"paired.against.{key}: no key of [methods]{nearest(key, study.methods)}"
@@ -120,8 +121,11 @@ def _paired(study: Study) -> Iterator[str]:
 
 def _report(study: Study) -> Iterator[str]:
     names = [*conditions.factor_names(study), *KEYS]
-    if study.report.x and study.report.x not in names:
-        yield f"report.x: {study.report.x!r} is neither factor nor key of [methods]{nearest(study.report.x, names)}"
+    places = [("report.x", study.report.x)] if study.report.x else []
+    places += [(f"report.series[{number}]", name) for number, name in enumerate(study.report.series)]
+    for place, name in places:
+        if name not in names:
+            yield f"{place}: {name!r} is neither factor nor key of [methods]{nearest(name, names)}"
     if not 0.0 <= study.report.least_correlation <= 1.0:
         yield f"report.least_correlation: found {study.report.least_correlation:g}, allowed: 0 to 1"
 

@@ -62,7 +62,9 @@ def measure_over_factor(axes: Axes, series: Series, labels: Sequence[str], x: st
         # side by side where x is a list of names, so that intervals do not hide each other
         shift = (number - (count - 1) / 2.0) * 0.5 / count if labels else 0.0
         error = INTERVAL * np.nan_to_num(mcse)
-        axes.errorbar(places + shift, estimate, yerr=error, label=label, markersize=3.5, linewidth=0.9, capsize=1.5, **style)
+        axes.errorbar(
+            places + shift, estimate, yerr=error, label=label, markersize=3.5, linewidth=0.9, capsize=1.5, **style
+        )
     if labels:
         axes.set_xticks(range(len(labels)), labels)
         if sum(map(len, labels)) > 40:

@@ -11,10 +11,10 @@ import numpy as np
 from studies.conditions import factor_names
 from studies.plan import Plan
 from studies.summary import Row, Summary
-from studies.tables import DASH
 from studies.whole_files import write_whole
 
 MOST_LINES = 60
+DASH = "–"
 MARKDOWN = str.maketrans({c: f"\\{c}" for c in "\\`*_[]<>|$#"})
 
 
@@ -103,7 +103,9 @@ def _draw(summed: Summary, plan: Plan, folder: Path) -> list[Path]:
     study = plan.study
     names = [*factor_names(study), *study.methods]
     x = study.report.x or (names[0] if names else "")
-    measures = [m for m in study.report.measures if any(r["measure"] == m and np.isfinite(r["estimate"]) for r in summed.rows)]
+    measures = [
+        m for m in study.report.measures if any(r["measure"] == m and np.isfinite(r["estimate"]) for r in summed.rows)
+    ]
     if not measures or not x:
         return []
     from studies.canvas import house_style, new_figure, save
@@ -115,7 +117,7 @@ def _draw(summed: Summary, plan: Plan, folder: Path) -> list[Path]:
         grid: Any = figure.subplots(rows, columns, squeeze=False)
         units = {row["measure"]: row["unit"] for row in summed.rows}
         for axes, measure in zip(grid.ravel(), measures, strict=False):
-            series, labels = series_of(summed.rows, measure, x, names)
+            series, labels = series_of(summed.rows, measure, x, study.report.series or names)
             measure_over_factor(axes, series, labels, x, measure, units[measure])
         for axes in grid.ravel()[len(measures) :]:
             axes.set_visible(False)

@@ -30,7 +30,7 @@ FORMULA = ("=", "+", "-", "@", "\t", "\r")
 
 @dataclass(frozen=True)
 class Summary:
-    """rows and differences in the order of plan, method and measure; failures: a line for each cell without a result."""
+    """rows and differences in the order of plan, method, measure; failures: a line for each cell without a result."""
 
     rows: list[Row]
     differences: list[Row]

@@ -32,14 +32,15 @@ CODES = {
     Status.TOO_LITTLE_REDUNDANCY: 5,
     Status.NOT_FINITE: 6,
 }
-CONVERGED, OTHER, CRASHED, TIMEOUT, NO_NOMINAL = 0, 99, 100, 101, 102
+CONVERGED, UNDRAWN, OTHER, CRASHED, TIMEOUT, NO_NOMINAL = 0, 98, 99, 100, 101, 102
 SENTENCES = {code: status.value for status, code in CODES.items()} | {
+    UNDRAWN: "its image points could not be simulated",
     OTHER: "the adjustment failed",
     CRASHED: "its worker died",
     TIMEOUT: "it did not end",
     NO_NOMINAL: "the condition itself cannot be simulated or adjusted",
 }
-LOST = {"crashed": CRASHED, "timeout": TIMEOUT}
+LOST = {"crashed": CRASHED, "timeout": TIMEOUT, "undrawn": UNDRAWN}
 
 DEVIATIONS = ("m0_um", "mu_xy_mm", "mu_z_mm", "true_xy_mm", "true_z_mm", "mean_z_mm", "coverage_xy", "coverage_z")
 """per trial: m0; 2-D and height rms at check points against their given coordinates; the same against the truth at all

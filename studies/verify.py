@@ -11,7 +11,6 @@ import numpy as np
 from studies.block_task import Columns, Draw, compute, image_points
 from studies.machine import processor
 from studies.plan import Plan, look_at
-from studies.shards import DamageError
 from studies.store import NOMINAL, Store, StoreError, locked, read_json
 from studies.study import LANES, read_study
 
@@ -59,7 +58,9 @@ def _read_everything(store: Store, plan: Plan) -> Iterator[str]:
         if shard.state == "missing" and plan.study.trials.target_mcse:
             continue  # a condition that has stopped early
         if shard.state != "whole":
-            yield f"trials/{condition.id}/{block}.parquet is {shard.state}" + (f": {shard.reason}" if shard.reason else "")
+            yield f"trials/{condition.id}/{block}.parquet is {shard.state}" + (
+                f": {shard.reason}" if shard.reason else ""
+            )
     for path in sorted((store.folder / "trials").rglob("*")):
         if path.is_file() and path not in known:
             yield f"{path.relative_to(store.folder)} belongs to no condition of the study"

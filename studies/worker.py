@@ -20,7 +20,7 @@ def become_main() -> None:
 @cache
 def prepare() -> None:
     """In a worker of ours: ignore the interrupt of the terminal, and end when the parent has ended."""
-    if not MAIN or MAIN == str(os.getpid()) or threading.current_thread() is not threading.main_thread():
+    if not MAIN or str(os.getpid()) == MAIN or threading.current_thread() is not threading.main_thread():
         return  # no process of ours: the caller itself, or a worker of a cluster
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     parent = os.getppid()

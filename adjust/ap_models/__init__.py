@@ -6,7 +6,7 @@ import dataclasses
 import difflib
 from typing import Any
 
-from adjust.ap_models.brown import Brown1976
+from adjust.ap_models.brown import Brown1971, Brown1976
 from adjust.ap_models.ebner import Ebner12
 from adjust.ap_models.elhakim_faig import ElHakimFaig11
 from adjust.ap_models.fourier import Fourier
@@ -15,6 +15,7 @@ from adjust.ap_models.jacobsen import Jacobsen12
 from adjust.ap_models.koelbl_juhl import KoelblJuhl9
 from adjust.ap_models.mauelshagen import Brown14, Mauelshagen14, NoModel, Optical, Torlegard
 from adjust.ap_models.model import ApModel, Certainty
+from adjust.ap_models.own import own_model
 from adjust.ap_models.products import Chebyshev, Legendre
 from adjust.ap_models.salmenpera_kilpela import SalmenperaKilpela7
 from adjust.ap_models.schut import Schut14
@@ -33,6 +34,7 @@ MODELS: tuple[type[ApModel], ...] = (
     Schut14,
     SalmenperaKilpela7,
     Gruen44,
+    Brown1971,
     Brown1976,
     Jacobsen12,
     Legendre,
@@ -48,17 +50,22 @@ def names() -> tuple[str, ...]:
 
 
 def get(model_id: str, **settings: Any) -> ApModel:
-    """The set with this id and these settings.
+    """The set with this id and these settings; "file.py:Class" or "module:Class" names a set of the user's own.
 
     Raises KeyError for an unknown id and TypeError for an unknown setting, each with what is allowed.
     """
+    kind = own_model(model_id) if ":" in model_id else _of_catalogue(model_id)
+    allowed = [f.name for f in dataclasses.fields(kind)]
+    for name in settings:
+        if name not in allowed:
+            raise TypeError(f"{model_id} has no setting {name!r}, it has: {', '.join(allowed) or 'none'}")
+    return kind(**settings)
+
+
+def _of_catalogue(model_id: str) -> type[ApModel]:
     for model in MODELS:
         if model.id == model_id:
-            allowed = [f.name for f in dataclasses.fields(model)]
-            for name in settings:
-                if name not in allowed:
-                    raise TypeError(f"{model_id} has no setting {name!r}, it has: {', '.join(allowed) or 'none'}")
-            return model(**settings)
+            return model
     near = difflib.get_close_matches(model_id, names(), n=1)
     hint = f"did you mean {near[0]!r}?" if near else f"known are {', '.join(names())}"
     raise KeyError(f"no AP model {model_id!r}, {hint}")

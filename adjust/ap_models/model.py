@@ -1,8 +1,8 @@
 """What a set of additional parameters (AP) is: a declaration of terms.
 
 Convention: measured + v = projected + d(measured). d is the distortion contained in the measurement, evaluated at the
-measured image coordinates x (flight direction) and y in mm. Every set is linear in its parameters, so the matrix of its
-terms (its basis) is also its Jacobian.
+measured image coordinates x (flight direction) and y in mm. Nearly every set is linear in its parameters, so that the
+matrix of its terms (its basis) is also its Jacobian; one that is not says so and gives d and its derivatives itself.
 """
 
 from __future__ import annotations
@@ -42,31 +42,54 @@ class ApModel:
 
     A subclass is a frozen dataclass. Its fields are the settings, with the unit in the name and
     metadata={"about": ...}; its class variables say what it is and where it comes from; `terms` lists one (dx, dy) for
-    each parameter, as literally as the source prints it. `parameters` names them.
+    each parameter, as literally as the source prints it. `parameters` names them. A set of the user's own needs no more
+    than `terms`.
     """
 
-    id: ClassVar[str]
-    title: ClassVar[str]
-    author: ClassVar[str]
-    year: ClassVar[int]
+    id: ClassVar[str] = "own"
+    title: ClassVar[str] = "A set of the user's own"
+    author: ClassVar[str] = "-"
+    year: ClassVar[int] = 0
     """of the set, or of the page that gives it where the year of the set itself is not known"""
-    source: ClassVar[str]
-    certainty: ClassVar[Certainty]
+    source: ClassVar[str] = "the user's own file"
+    certainty: ClassVar[Certainty] = Certainty.CERTAIN
     formula: ClassVar[str] = ""
     """the terms in plain text, as `simfield models ID` prints them"""
 
     @property
     def parameters(self) -> tuple[str, ...]:
-        """The names of the parameters, in the order of the terms."""
-        raise NotImplementedError
+        """The names of the parameters, in the order of the terms; a1, a2, ... unless a set says otherwise."""
+        return numbered("a", len(self.terms(np.zeros(1), np.zeros(1))))
 
     def terms(self, x: Floats, y: Floats) -> Sequence[Term]:
         """The terms at x, y (k), mm: one (dx, dy) a parameter, in mm per unit of the parameter."""
         raise NotImplementedError
 
     @property
+    def linear(self) -> bool:
+        """Whether d is linear in the parameters, so that `basis` is all there is to know."""
+        return True
+
+    @property
+    def principal_distance(self) -> str:
+        """The parameter that is added to the principal distance in the projection, if there is one; no part of d."""
+        return ""
+
+    def evaluate(self, x: Floats, y: Floats, values: Floats) -> tuple[Floats, Floats]:
+        """d (k, 2) at parameters `values` (a), and its derivatives by them (k, 2, a); for sets that are not linear.
+
+        x, y (k), mm, are then reckoned from the principal point that the block gives, not from the fiducial centre.
+        """
+        basis = self.basis(x, y)
+        return basis @ values, basis
+
+    @property
     def why_not_estimable(self) -> Mapping[str, str]:
-        """The parameters that a flat near-vertical block cannot tell from its exterior orientation, and why."""
+        """The parameters that a flat near-vertical block cannot tell from its exterior orientation, and why.
+
+        An adjustment looks whether its own geometry can tell them, and refuses by name those that it cannot
+        (adjust.determinability).
+        """
         return {}
 
     @property
@@ -103,6 +126,10 @@ class ApModel:
 def _complaint(value: Any, setting: dataclasses.Field[Any]) -> str:
     """What the value of a setting must be and is not; empty if it is all right."""
     truth = isinstance(value, bool | np.bool_)
+    if "names" in setting.metadata:
+        known = setting.metadata["names"]
+        some = isinstance(value, tuple) and len(set(value)) == len(value) < len(known) and set(value) <= set(known)
+        return "" if some else f"some of {', '.join(known)}, each once"
     if isinstance(setting.default, bool):
         return "" if truth else "True or False"
     if "range" in setting.metadata:

@@ -24,6 +24,7 @@ EXPECTED = {
     "schut14": 14,
     "salmenpera-kilpela7": 7,
     "gruen44": 44,
+    "brown1971": 10,
     "brown1976": 21,
     "jacobsen12": 12,
     "legendre": 26,
@@ -161,6 +162,8 @@ def test_impossible_settings_are_refused_by_name(kind: type[ApModel], name: str)
     impossible = [None, "100", float("nan")]
     if isinstance(default, bool):
         impossible += [1, 0.0]
+    elif isinstance(default, tuple):
+        impossible += [("nothing",), (kind().parameters[0],) * 2, kind().parameters, True]
     elif isinstance(default, int):
         impossible += [0, -1, 2.5, True, 10]
     else:
@@ -170,11 +173,46 @@ def test_impossible_settings_are_refused_by_name(kind: type[ApModel], name: str)
             kind(**{name: value})
 
 
+@pytest.mark.parametrize("kind", [k for k in MODELS if "without" in k().settings])
+def test_parameters_can_be_left_out_by_name(kind: type[ApModel]):
+    whole = kind()
+    part = kind(without=whole.parameters[1:3])
+    assert part.parameters == (whole.parameters[0], *whole.parameters[3:])
+    x, y = properties.grid(115.0, 5)
+    kept = [whole.parameters.index(name) for name in part.parameters]
+    np.testing.assert_array_equal(part.basis(x, y), whole.basis(x, y)[:, :, kept])
+    assert set(part.not_estimable) == set(whole.not_estimable) & set(part.parameters)
+
+
+@every_set
+def test_evaluation_at_zero_is_the_basis(model: ApModel):
+    x, y = properties.grid(115.0, 5)
+    nothing = np.zeros(len(model.parameters))
+    d, by_values = model.evaluate(x, y, nothing)
+    np.testing.assert_array_equal(d, 0.0)
+    others = [j for j, name in enumerate(model.parameters) if name != model.principal_distance]
+    np.testing.assert_allclose(by_values[:, :, others], model.basis(x, y)[:, :, others], rtol=1e-13, atol=0.0)
+
+
+@every_set
+def test_derivatives_are_those_of_the_evaluation(model: ApModel):
+    """Central differences around parameters that move the corners by some tenths of a millimetre."""
+    x, y = properties.grid(18.0, 5)
+    size = np.abs(model.basis(x, y)).max(axis=(0, 1))
+    values = 0.3 * np.random.default_rng(8).uniform(-1.0, 1.0, len(size)) / size
+    _, by_values = model.evaluate(x, y, values)
+    for j, step in enumerate(1e-4 / size):
+        change = np.eye(len(size))[j] * step
+        by_differences = model.evaluate(x, y, values + change)[0] - model.evaluate(x, y, values - change)[0]
+        np.testing.assert_allclose(by_values[:, :, j] * 2.0 * step, by_differences, rtol=0.0, atol=1e-10)
+
+
 @every_set
 def test_settings_matter(model: ApModel):
     x, y = properties.grid(115.0, 3)
     for name, value in model.settings.items():
-        changed = dataclasses.replace(model, **{name: not value if isinstance(value, bool) else value + 1})
+        other = not value if isinstance(value, bool) else model.parameters[:1] if value == () else value + 1
+        changed = dataclasses.replace(model, **{name: other})
         assert changed != model
         shown = changed.basis(x, y)
         assert shown.shape != model.basis(x, y).shape or np.any(shown != model.basis(x, y))

@@ -1,0 +1,89 @@
+"""Variance components against the textbook's traces, and on blocks whose noise is known."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from adjust import Adjustment, adjust_block, ap_models
+from adjust.influence import Influence
+from adjust.variance import _helmert, groups_by_camera, variance_components
+from simfield.block import Block
+from tests import synthetic
+from tests.adjust.test_reliability import Textbook
+
+FACTORS = {"ww": 0.7, "sww": 1.5}
+
+
+def noisy(w: synthetic.World, seed: int) -> Block:
+    """Noise of other standard deviations than the block states; control weighted, its errors as stated."""
+    rng = np.random.default_rng(seed)
+    w = w.controlled(synthetic.CONTROL, (0.02, 0.02, 0.03))
+    o, b = w.block.observations, w.block
+    factor = np.array([FACTORS[b.cameras[c].camera_id] for c in b.images.camera[o.image]])
+    xy = o.xy + factor[:, None] * o.sigma * rng.standard_normal(o.xy.shape)
+    coordinates = b.points.coordinates + np.nan_to_num(b.points.sigma) * rng.standard_normal(b.points.sigma.shape)
+    return w.with_points(coordinates=coordinates).with_image_points(xy).block
+
+
+@pytest.fixture(scope="module")
+def adjusted(two_camera_world: synthetic.World) -> Adjustment:
+    return adjust_block(noisy(two_camera_world, 1), ap_models.get("optical"))
+
+
+def test_helmerts_matrix(adjusted: Adjustment) -> None:
+    groups = groups_by_camera(adjusted)
+    assert list(groups) == ["images of ww", "images of sww", "control"]
+    label = np.empty(adjusted.groups.rows, dtype=int)
+    for number, rows in enumerate(groups.values()):
+        label[rows] = number
+    book = Textbook.of(adjusted)
+    root = np.sqrt(book.weight)
+    r = book.r * root[:, None] / root
+    expected = np.array([[np.sum(r[np.ix_(label == i, label == j)] ** 2) for j in range(3)] for i in range(3)])
+    found, squares, count = _helmert(Influence.of(adjusted), label, 3)
+    np.testing.assert_allclose(found, expected, rtol=1e-9, atol=1e-8)
+    np.testing.assert_allclose(squares, [np.sum((root * book.v)[label == i] ** 2) for i in range(3)], rtol=1e-10)
+    np.testing.assert_array_equal(count, np.bincount(label))
+    np.testing.assert_allclose(found.sum(axis=1), [np.diag(r)[label == i].sum() for i in range(3)], rtol=1e-10)
+
+
+def test_the_cameras_get_their_own_noise(adjusted: Adjustment) -> None:
+    found = variance_components(adjusted)
+    assert found.converged
+    assert found.adjustment.sigma0 == pytest.approx(1.0, abs=1e-6)
+    assert found.redundancy.sum() == pytest.approx(adjusted.redundancy, abs=1e-6)
+    for name, factor in (("images of ww", 0.7), ("images of sww", 1.5)):
+        at = found.names.index(name)
+        assert abs(found.sigma_factor[at] - factor) < 4.0 * found.sigma_factor_std[at]
+        assert found.sigma_factor_std[at] == pytest.approx(factor / np.sqrt(2.0 * found.redundancy[at]), rel=0.05)
+
+
+def test_at_the_solution_each_group_has_its_redundancy(adjusted: Adjustment) -> None:
+    """v^T P v of every group equals its redundancy: the fixed point of Foerstner's iteration, too."""
+    found = variance_components(adjusted)
+    standard = Influence.of(found.adjustment).rows.standard
+    for rows, redundancy in zip(groups_by_camera(adjusted).values(), found.redundancy, strict=True):
+        assert np.sum(standard[rows] ** 2) == pytest.approx(redundancy, rel=1e-5)
+
+
+def test_what_nothing_checks_is_held(ww_world: synthetic.World) -> None:
+    w = ww_world.controlled(("11", "15", "55"), (0.02, 0.02, 0.02)).with_noise(np.random.default_rng(2))
+    sigma = w.block.points.sigma.copy()
+    sigma[w.block.points.ids.index("15"), :2] = np.nan
+    found = variance_components(adjust_block(w.with_points(sigma=sigma).block))
+    at = found.names.index("control")
+    assert found.factor[at] == 1.0
+    assert np.isnan(found.factor_std[at])
+    assert found.redundancy[at] == pytest.approx(0.0, abs=1e-6)
+    assert found.converged
+    assert found.adjustment.sigma0 == pytest.approx(1.0, abs=1e-5)
+
+
+def test_groups_of_ones_own(adjusted: Adjustment) -> None:
+    k2 = 2 * len(adjusted.block.observations)
+    found = variance_components(adjusted, {"x": np.arange(0, k2, 2), "y": np.arange(1, k2, 2)})
+    assert found.names == ("x", "y")
+    assert abs(found.sigma_factor[0] / found.sigma_factor[1] - 1.0) < 0.15
+    with pytest.raises(ValueError, match="y: an observation"):
+        variance_components(adjusted, {"x": np.arange(4), "y": np.arange(3, 9)})
