@@ -30,8 +30,8 @@ from adjust.bundle import reweighted
 from adjust.influence import Influence
 from simfield.block import Floats, Indices
 
-CHANGE_LEFT = 1e-6
-"""of the factors, where the iteration ends"""
+CHANGE_LEFT = 1e-4
+"""of the factors in their standard deviations, where the iteration ends"""
 ROUNDS_MOST = 50
 STEP_MOST = 10.0
 REDUNDANCY_LEAST = 1.0
@@ -83,24 +83,44 @@ def variance_components(a: Adjustment, groups: Mapping[str, Indices] | None = No
     groups = groups_by_camera(a) if groups is None else groups
     label = _labels(a, groups)
     factor, converged, rounds = np.ones(len(groups)), False, 0
-    weights, current = a.groups.weights, a
+    weights, current, damping = a.groups.weights, a, _Damping(len(groups))
     while True:
         helmert, squares, count = _helmert(Influence.of(current), label, len(groups) + 1)
         redundancy = helmert.sum(axis=1)[:-1]
         estimated = (redundancy >= REDUNDANCY_LEAST) & (factor > FACTOR_LEAST)
+        std = _relative_std(helmert, estimated)
         if converged or rounds == ROUNDS_MOST or not estimated.any():
             break
-        theta = _solution(helmert, squares, estimated)
+        theta = damping.step(_solution(helmert, squares, estimated))
         factor, rounds = np.maximum(factor * theta, FACTOR_LEAST), rounds + 1
-        converged = bool(np.abs(theta - 1.0).max() < CHANGE_LEFT)
+        converged = bool(np.nanmax(np.abs(theta - 1.0) / std) < CHANGE_LEFT)
         current = reweighted(current, weights / np.append(factor, 1.0)[label])
         if not current.status.ok:
             raise ValueError(f"the block cannot be adjusted with these variances: {current.message}")
-    std = np.full(len(groups), np.nan)
+    return VarianceComponents(tuple(groups), count[:-1], redundancy, factor, factor * std, current, rounds, converged)
+
+
+class _Damping:
+    """Helmert's steps overshoot where a group has little redundancy: after a change of direction they are halved."""
+
+    def __init__(self, size: int) -> None:
+        self.last, self.share = np.zeros(size), np.ones(size)
+
+    def step(self, theta: Floats) -> Floats:
+        """The factor to take instead of theta, both near 1 at the end."""
+        raw = np.log(theta)
+        self.share = np.where(raw * self.last < 0.0, np.maximum(0.5 * self.share, 0.25), self.share)
+        self.last = raw
+        return np.asarray(np.exp(self.share * raw))
+
+
+def _relative_std(helmert: Floats, estimated: npt.NDArray[np.bool_]) -> Floats:
+    """The standard deviation of every factor in units of the factor, NaN for those that are held."""
+    std = np.full(len(estimated), np.nan)
     at = np.flatnonzero(estimated)
     if at.size:
-        std[at] = factor[at] * np.sqrt(2.0 * np.diag(np.linalg.inv(helmert[np.ix_(at, at)])))
-    return VarianceComponents(tuple(groups), count[:-1], redundancy, factor, std, current, rounds, converged)
+        std[at] = np.sqrt(2.0 * np.diag(np.linalg.inv(helmert[np.ix_(at, at)])))
+    return std
 
 
 def _labels(a: Adjustment, groups: Mapping[str, Indices]) -> Indices:

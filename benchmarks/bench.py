@@ -21,7 +21,7 @@ from benchmarks.flops import BROWN14 as BROWN14_COUNT
 from benchmarks.flops import TrialFlops
 from benchmarks.growing import SIZES
 from benchmarks.ours import AdjustBlock, AdjustReplicates
-from benchmarks.problem import BROWN14, IDEAL4, NONE, Problem, Solver
+from benchmarks.problem import BROWN14, IDEAL4, NONE, OPTICAL, Problem, Solver
 from benchmarks.separate import apart
 from benchmarks.timing import interleaved, summary
 
@@ -111,9 +111,13 @@ def build_solvers(problem: Problem, peers: list[str], trials: int) -> dict[str, 
         solvers |= {"scipy": _scipy, "gtsam": _gtsam, "ceres": _ceres}[peer](problem)
     return solvers | {
         "adjust_block none": AdjustBlock(problem, NONE),
+        "adjust_block optical": AdjustBlock(problem, OPTICAL),
+        "adjust_block optical with std": AdjustBlock(problem, OPTICAL, with_std=True),
         "adjust_block brown14": AdjustBlock(problem, BROWN14),
         "adjust_block brown14 with std": AdjustBlock(problem, BROWN14, with_std=True),
+        "adjust_block brown14 with std, plain numpy": AdjustBlock(problem, BROWN14, with_std=True, compiled=False),
         "adjust_replicates none": AdjustReplicates(problem, NONE, trials),
+        "adjust_replicates optical": AdjustReplicates(problem, OPTICAL, trials),
         "adjust_replicates brown14": AdjustReplicates(problem, BROWN14, trials),
     }
 
@@ -139,6 +143,7 @@ def _ceres(problem: Problem) -> dict[str, Solver]:
         "ceres ideal4 default": Ceres(problem, IDEAL4, tuned=False),
         "ceres ideal4 warm": CeresWarm(problem, IDEAL4),
         "ceres ideal4 written": CeresWritten(problem, IDEAL4),
+        "ceres ideal4 looped": CeresWritten(problem, IDEAL4, tuned=False),
     }
 
 
@@ -175,21 +180,23 @@ def ratios(times: dict[str, dict[str, Any]]) -> dict[str, float | None]:
     def over(slow: str, fast: str) -> float | None:
         return times[slow]["median_ms"] / times[fast]["median_ms"] if slow in times else None
 
-    replicates, block = "adjust_replicates brown14", "adjust_block brown14"
+    looped, tuned = "ceres ideal4 looped", "ceres ideal4"
     return {
-        "replicates_over_ceres": over("ceres ideal4", replicates),
-        "adjust_over_ceres": over("ceres ideal4", block),
-        "adjust_with_std_over_ceres": over("ceres ideal4", f"{block} with std"),
-        "replicates_over_ceres_with_writing": over("ceres ideal4 written", replicates),
-        "replicates_over_ceres_warm": over("ceres ideal4 warm", replicates),
-        "replicates_over_ceres_default": over("ceres ideal4 default", replicates),
+        "replicates_over_ceres": over(looped, "adjust_replicates optical"),
+        "adjust_over_ceres": over(looped, "adjust_block optical"),
+        "adjust_with_std_over_ceres": over(looped, "adjust_block optical with std"),
+        "replicates_brown14_over_ceres": over(looped, "adjust_replicates brown14"),
+        "adjust_brown14_over_ceres": over(looped, "adjust_block brown14"),
+        "replicates_over_ceres_tuned": over(tuned, "adjust_replicates optical"),
+        "adjust_over_ceres_tuned": over(tuned, "adjust_block optical"),
+        "adjust_with_std_over_ceres_tuned": over(tuned, "adjust_block optical with std"),
+        "replicates_over_ceres_warm": over("ceres ideal4 warm", "adjust_replicates optical"),
         "replicates_over_ceres_both_none": over("ceres none", "adjust_replicates none"),
-        "adjust_over_ceres_default": over("ceres ideal4 default", block),
         "adjust_over_ceres_both_none": over("ceres none", "adjust_block none"),
-        "replicates_over_gtsam": over("gtsam ideal4", replicates),
-        "adjust_over_gtsam": over("gtsam ideal4", block),
-        "replicates_over_scipy": over("scipy brown14", replicates),
-        "adjust_over_scipy": over("scipy brown14", block),
+        "replicates_over_gtsam": over("gtsam ideal4", "adjust_replicates optical"),
+        "adjust_over_gtsam": over("gtsam ideal4", "adjust_block optical"),
+        "replicates_over_scipy": over("scipy brown14", "adjust_replicates brown14"),
+        "adjust_over_scipy": over("scipy brown14", "adjust_block brown14"),
     }
 
 

@@ -12,17 +12,20 @@ from simfield.block import Floats
 
 
 class AdjustBlock:
-    """Timed is adjust_block from the block to the estimates, start values included; with_std: and all their std."""
+    """Timed is adjust_block from the block to the estimates, start values included; with_std: and all their std.
 
-    def __init__(self, problem: Problem, form: str, with_std: bool = False) -> None:
-        self.problem, self.form, self.with_std = problem, form, with_std
+    compiled False: the readable arithmetic in plain numpy.
+    """
+
+    def __init__(self, problem: Problem, form: str, with_std: bool = False, compiled: bool = True) -> None:
+        self.problem, self.form, self.with_std, self.compiled = problem, form, with_std, compiled
         self.model = problem.model(form)
 
     def prepare(self, trial: int) -> None:
         self.block = self.problem.trial_block(trial)
 
     def solve(self) -> None:
-        self.adjustment = adjust_block(self.block, self.model)
+        self.adjustment = adjust_block(self.block, self.model, compiled=self.compiled)
         if self.with_std:
             self.std = self.adjustment.std
 

@@ -1,8 +1,9 @@
 """What all solvers of the benchmark are given, what they hand back, and the one cost that judges them.
 
-Three forms of the same block. "none": the collinearity equations alone, which every solver states exactly. "ideal4":
+Four forms of the same block. "none": the collinearity equations alone, which every solver states exactly. "ideal4":
 two radial and two decentering parameters a camera, evaluated at the projected point; this is what Ceres (through
-pycolmap) and GTSAM have built in. "brown14": 14 parameters a camera, at the measured point, the form of this engine.
+pycolmap) and GTSAM have built in. "optical": as many, of the same kind, at the measured point, the form of this engine.
+"brown14": 14 parameters a camera, at the measured point.
 """
 
 from __future__ import annotations
@@ -22,8 +23,7 @@ from simfield import Block, presets
 from simfield.block import Floats
 from simfield.simulate import World, build_world
 
-NONE, IDEAL4, BROWN14 = "none", "ideal4", "brown14"
-FORMS = (NONE, IDEAL4, BROWN14)
+NONE, IDEAL4, OPTICAL, BROWN14 = "none", "ideal4", "optical", "brown14"
 TO_VISION = np.diag([1.0, -1.0, -1.0])
 """from the camera frame of photogrammetry (y up, looking along -z) to that of computer vision (y down, along +z)"""
 PRESET, SEED = "rheidt-1980", 1980
@@ -66,10 +66,10 @@ class Problem:
 
     def model(self, form: str) -> ApModel:
         """The AP model of this engine for a form. Raises KeyError for one that it cannot state."""
-        return {NONE: ap_models.get("none"), BROWN14: ap_models.get("brown14")}[form]
+        return {name: ap_models.get(name) for name in (NONE, OPTICAL, BROWN14)}[form]
 
     def unknowns(self, form: str) -> int:
-        per_camera = {NONE: 0, IDEAL4: 4, BROWN14: 14}[form]
+        per_camera = {NONE: 0, IDEAL4: 4, OPTICAL: 4, BROWN14: 14}[form]
         return 6 * len(self.block.images) + per_camera * len(self.block.cameras) + int((~self.block.points.fixed).sum())
 
     def image_points(self, trial: int) -> Floats:
@@ -123,7 +123,7 @@ class Problem:
         distortion = np.zeros_like(u)
         if form == IDEAL4:
             u = u + _opencv(u * [1.0, -1.0], answer.parameters[camera]) * [1.0, -1.0]
-        elif form == BROWN14:
+        elif form != NONE:
             basis = self.model(form).basis(measured[:, 0], measured[:, 1])
             distortion = np.einsum("kij,kj->ki", basis, answer.parameters[camera])
         v = interior[:, 1:] + interior[:, :1] * u + distortion - measured
