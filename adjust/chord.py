@@ -108,7 +108,7 @@ class Chord:
             return None
 
     def __getstate__(self) -> dict[str, Any]:
-        return {name: value for name, value in self.__dict__.items() if name != "gradients"}
+        return {name: value for name, value in self.__dict__.items() if name not in ("gradients", "linearised")}
 
     @cached_property
     def indices(self) -> tuple[Any, Any, Any, Any]:
@@ -122,11 +122,13 @@ class Chord:
         coordinates = None if coordinates is None else coordinates[trials]
         vpv, iterations = np.full(LANES, np.nan), np.zeros(LANES, dtype=np.int16)
         converged = np.zeros(LANES, dtype=bool)
-        room.x[:] = self.nominal.x[:, None]
+        room.x[:] = room.start[:] = self.nominal.x[:, None]
+        room.y[:] = 0.0
         if self.gradients is not None:
             _fill_lanes(image_points, trials, self.nominal.groups.image_points.order, room.xy)
             self._give_coordinates(coordinates, room)
-            converged = self._iterate(room, vpv, iterations, np.arange(LANES) < count)
+            ahead = self._step_ahead(room) if coordinates is None else np.full(LANES, np.inf)
+            converged = self._iterate(room, ahead, vpv, iterations, np.arange(LANES) < count)
         solved = Trials(
             np.ascontiguousarray(room.x[:, :count].T),
             vpv[:count],
@@ -156,16 +158,43 @@ class Chord:
         room.given[:, : len(source)] = rows
         room.given[:, len(source) :] = rows[:, :1]
         fixed = layout.block.points.fixed.ravel()
-        room.x[layout.orientation :][fixed] = room.given[fixed]
+        room.x[layout.orientation :][fixed] = room.start[layout.orientation :][fixed] = room.given[fixed]
+
+    @cached_property
+    def linearised(self) -> tuple[Any, ...]:
+        """What `kernels.first_gradient` wants to know of the nominal trial."""
+        layout, g = self.nominal.layout, self.nominal.groups.image_points
+        at = g.jacobian(self.nominal.x)
+        weight = g.weight[:, :, None]
+        parameters = np.array([s.columns.start for s in layout.sets], dtype=np.intp)[layout.image_set]
+        jacobian, by_point = (np.asarray(weight * j, dtype=np.float32) for j in (at.by_orientation, at.by_point))
+        return layout.orientation, parameters, at.v, g.xy, jacobian, by_point
+
+    def _step_ahead(self, room: Workspace) -> Floats:
+        """A first step of all trials with the nominal derivatives, in single precision; returns the steps' lengths."""
+        starts, point, _, _ = self.indices
+        kernels.first_gradient(starts, point, *self.linearised, room.xy, room.scaled)
+        np.multiply(room.scaled, self.s[:, None], out=room.scaled, casting="same_kind")
+        np.matmul(self.correlation, room.scaled, out=room.change)
+        kernels.advance(room.change, np.ones(LANES), self.s, room.start, room.y, room.x)
+        length = np.empty(LANES)
+        kernels.longest(room.change, length)
+        return length
 
     def _iterate(
-        self, room: Workspace, vpv: Floats, iterations: npt.NDArray[np.int16], active: npt.NDArray[np.bool_]
+        self,
+        room: Workspace,
+        before: Floats,
+        vpv: Floats,
+        iterations: npt.NDArray[np.int16],
+        active: npt.NDArray[np.bool_],
     ) -> npt.NDArray[np.bool_]:
-        """Iterate room.x in place; returns which trials have converged, and leaves their vPv and steps."""
+        """Iterate room.x in place; returns which trials have converged, and leaves their vPv and steps.
+
+        before (LANES): the length of a step that was already taken, infinite if none was.
+        """
         converged = np.zeros(LANES, dtype=bool)
-        before, length, worst = np.full(LANES, np.inf), np.empty(LANES), np.zeros(LANES)
-        room.y[:] = 0.0
-        room.start[:] = room.x
+        length, worst = np.empty(LANES), np.zeros(LANES)
         for step in range(1, STEPS_MOST + 1):
             cost, depth = self._gradient(room)
             kernels.scale(room.gradient, self.s, room.scaled)

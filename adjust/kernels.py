@@ -173,3 +173,51 @@ def transpose(image_points: Any, order: Any, lanes: Any) -> None:
         for t in range(image_points.shape[0]):
             lanes[k, 0, t] = image_points[t, at, 0]
             lanes[k, 1, t] = image_points[t, at, 1]
+
+
+@numba.njit(cache=True, error_model="numpy", fastmath={"contract"})
+def first_gradient(
+    starts: Any,
+    point: Any,
+    first: Any,
+    set_first: Any,
+    v: Any,
+    xy: Any,
+    jacobian: Any,
+    by_point: Any,
+    lanes: Any,
+    g: Any,
+) -> None:
+    """The gradient of all trials at one and the same x, to single precision and with the AP terms of one trial.
+
+    Good for a first step, from which exact ones go on. starts (m + 1), point (k); first: row of the first point
+    coordinate; set_first (m): that of each image's parameters; v, xy (k, 2): corrections and coordinates of the nominal
+    trial; jacobian (k, 2, 6 + a) and by_point (k, 2, 3) there, times the weights, in single precision; lanes
+    (k, 2, LANES) measured; g (size, LANES) in single precision, overwritten.
+    """
+    g[:] = np.float32(0.0)
+    width = jacobian.shape[2]
+    sums = np.zeros((width, LANES), dtype=np.float32)
+    vx, vy = np.zeros(LANES, dtype=np.float32), np.zeros(LANES, dtype=np.float32)
+    for i in range(starts.size - 1):
+        sums[:] = np.float32(0.0)
+        for k in range(starts[np.uint64(i)], starts[np.uint64(i + 1)]):
+            row = np.uint64(k)
+            ax, ay = v[row, 0] + xy[row, 0], v[row, 1] + xy[row, 1]
+            for t in range(LANES):
+                vx[t] = np.float32(ax - lanes[row, 0, t])
+                vy[t] = np.float32(ay - lanes[row, 1, t])
+            for j in range(width):
+                jx, jy, total = jacobian[row, 0, j], jacobian[row, 1, j], sums[j]
+                for t in range(LANES):
+                    total[t] += jx * vx[t] + jy * vy[t]
+            for j in range(3):
+                jx, jy = by_point[row, 0, j], by_point[row, 1, j]
+                total = g[np.uint64(first) + np.uint64(3) * point[row] + np.uint64(j)]
+                for t in range(LANES):
+                    total[t] += jx * vx[t] + jy * vy[t]
+        for j in range(6):
+            g[6 * i + j] = sums[j]
+        for j in range(6, width):
+            for t in range(LANES):
+                g[set_first[i] + j - 6, t] += sums[j, t]

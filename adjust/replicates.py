@@ -84,14 +84,20 @@ class Replicates:
     @property
     def images(self) -> Floats:
         """(t, m, 6) exterior orientations, m and rad."""
-        images = self.trials.x[:, : 6 * len(self.nominal.block.images)].reshape(len(self), len(self.nominal.block.images), 6).copy()
+        images = (
+            self.trials.x[:, : 6 * len(self.nominal.block.images)]
+            .reshape(len(self), len(self.nominal.block.images), 6)
+            .copy()
+        )
         images[:, :, :3] += self.nominal.layout.origin
         return images
 
     @property
     def points(self) -> Floats:
         """(t, n, 3) adjusted coordinates, m."""
-        reduced = self.trials.x[:, self.nominal.layout.orientation :].reshape(len(self), len(self.nominal.block.points), 3)
+        reduced = self.trials.x[:, self.nominal.layout.orientation :].reshape(
+            len(self), len(self.nominal.block.points), 3
+        )
         return np.asarray(reduced + self.nominal.layout.origin)
 
     def ap(self, set_id: str) -> Floats:

@@ -101,7 +101,8 @@ def variance_components(a: Adjustment, groups: Mapping[str, Indices] | None = No
 
 
 class _Damping:
-    """Helmert's steps overshoot where a group has little redundancy: after a change of direction they are halved."""
+    """Helmert's steps are too long or too short where a group has little redundancy: after a change of direction they are
+    halved, in the same direction they grow."""
 
     def __init__(self, size: int) -> None:
         self.last, self.share = np.zeros(size), np.ones(size)
@@ -109,9 +110,10 @@ class _Damping:
     def step(self, theta: Floats) -> Floats:
         """The factor to take instead of theta, both near 1 at the end."""
         raw = np.log(theta)
-        self.share = np.where(raw * self.last < 0.0, np.maximum(0.5 * self.share, 0.25), self.share)
+        turned = np.sign(raw * self.last)
+        self.share = np.clip(self.share * np.where(turned < 0.0, 0.5, np.where(turned > 0.0, 1.5, 1.0)), 0.25, 20.0)
         self.last = raw
-        return np.asarray(np.exp(self.share * raw))
+        return np.exp(np.clip(self.share * raw, -np.log(STEP_MOST), np.log(STEP_MOST)))
 
 
 def _relative_std(helmert: Floats, estimated: npt.NDArray[np.bool_]) -> Floats:

@@ -14,22 +14,23 @@ the counter-based generator, which is more than that"""
 
 @dataclass(frozen=True)
 class ApCount:
-    """Operations of an AP model at a point: its terms, d = B a, and B^T f."""
+    """Operations of an AP model at a point: its parameters, its terms, d = B a, and B^T f."""
 
+    parameters: int
     terms: int
     distort: int
     pull: int
 
 
-BROWN14 = ApCount(terms=39, distort=46, pull=48)
-NO_MODEL = ApCount(0, 0, 0)
+BROWN14 = ApCount(parameters=14, terms=39, distort=46, pull=48)
 
 
 @dataclass(frozen=True)
 class TrialFlops:
-    """Operations of one trial, by part. The single precision product counts half: the peak of single is twice that of
-    double precision, in which the peak of the machine is measured."""
+    """Operations of one trial, by part. Single precision counts half: its peak is twice that of double precision, in
+    which the peak of the machine is measured."""
 
+    first: float
     gradients: float
     corrections: float
     noise: float
@@ -37,8 +38,10 @@ class TrialFlops:
     @classmethod
     def of(cls, image_points: int, unknowns: int, steps: float, ap: ApCount) -> TrialFlops:
         per_point = GEOMETRY + ap.terms + ap.distort + ap.pull
-        return cls(steps * per_point * image_points, steps * 2.0 * unknowns**2 / 2.0, float(NOISE * image_points))
+        first = image_points * (2.0 + 4.0 * (9 + ap.parameters)) / 2.0
+        corrections = (steps + 1.0) * 2.0 * unknowns**2 / 2.0
+        return cls(first, steps * per_point * image_points, corrections, float(NOISE * image_points))
 
     @property
     def total(self) -> float:
-        return self.gradients + self.corrections + self.noise
+        return self.first + self.gradients + self.corrections + self.noise

@@ -28,25 +28,39 @@ class DistortionError(ArithmeticError):
     """measured = ideal + d(measured) could not be solved."""
 
 
+TERMS = {"affinity": (1,), "affine": (0, 1), "bilinear": (3,), "quadratic": (2, 3, 4), "cubic": (5, 6, 7, 8)}
+"""which of the monomials x, y, x^2, xy, y^2, x^3, x^2 y, xy^2, y^3 a film variation has; affinity has y in dy alone"""
+DEGREES = (1, 1, 2, 2, 2, 3, 3, 3, 3)
+
+
 @dataclass(frozen=True)
 class FilmVariation:
-    """Film deformation that is new in every image of a camera: all affine, or all quadratic, terms in x and y.
+    """Film deformation that is new in every trial: all affine, quadratic or cubic terms in x and y, the
+    bilinear ones (xy), or affinity in y alone.
 
-    Every coefficient is normal; um_at_100mm is the standard deviation of one term at 100 mm.
+    One draw serves an image, a flight (its cassette) or all images of the camera. Every coefficient is normal;
+    um_at_100mm is the standard deviation of one term at 100 mm.
     """
 
     camera: str
-    terms: Literal["affine", "quadratic"]
+    terms: Literal["affinity", "affine", "bilinear", "quadratic", "cubic"]
     um_at_100mm: float
+    per: Literal["image", "flight", "camera"] = "image"
 
     def __post_init__(self) -> None:
         if self.um_at_100mm < 0.0:
             raise ValueError("um_at_100mm of a film variation must be >= 0")
 
 
+def film_monomials(xy_mm: Floats) -> Floats:
+    """(k, 9) the monomials of TERMS at xy (k, 2) mm."""
+    x, y = xy_mm.T
+    return np.column_stack([x, y, x * x, x * y, y * y, x * x * x, x * x * y, x * y * y, y * y * y])
+
+
 @dataclass(frozen=True, eq=False)
 class DrawnFilm:
-    """The film deformation drawn for one trial: coefficients (m, 2, 5) of x, y, x^2, xy, y^2 in dx and dy of each
+    """The film deformation drawn for one trial: coefficients (m, 2, 9) of the monomials of TERMS in dx and dy of each
     image.
     """
 
@@ -54,9 +68,7 @@ class DrawnFilm:
 
     def displacement(self, xy_mm: Floats, image: Indices) -> Floats:
         """(k, 2) mm at xy (k, 2) mm in the images (k)."""
-        x, y = xy_mm.T
-        monomials = np.column_stack([x, y, x**2, x * y, y**2])
-        return np.asarray(np.einsum("kcj,kj->kc", self.coefficients[image], monomials))
+        return np.asarray((self.coefficients[image] @ film_monomials(xy_mm)[:, :, None])[:, :, 0])
 
     def effects(self, plan: FlightPlan) -> tuple[EffectOn, ...]:
         """The same, image by image, without the images that have none."""
@@ -65,22 +77,32 @@ class DrawnFilm:
             if any(dx[:2] + dy[:2]):
                 found.append(EffectOn(FilmAffine(*dx[:2], *dy[:2]), image=image_id))
             if any(dx[2:] + dy[2:]):
-                quadratic = FilmPolynomial(dx_x2=dx[2], dx_xy=dx[3], dx_y2=dx[4], dy_x2=dy[2], dy_xy=dy[3], dy_y2=dy[4])
-                found.append(EffectOn(quadratic, image=image_id))
+                found.append(EffectOn(FilmPolynomial(*dx[2:], *dy[2:]), image=image_id))
         return tuple(found)
 
 
 def draw_film(film: Sequence[FilmVariation], plan: FlightPlan, seed: int, trial: int) -> DrawnFilm:
     """The film of every image in one trial."""
-    coefficients = np.zeros((len(plan), 2, 5))
+    coefficients = np.zeros((len(plan), 2, len(DEGREES)))
     for variation in film:
-        columns, degree = (slice(0, 2), 1) if variation.terms == "affine" else (slice(2, 5), 2)
-        sigma = variation.um_at_100mm / 1000.0 / REFERENCE_MM**degree
-        for row, image_id in enumerate(plan.image_ids):
+        columns = list(TERMS[variation.terms])
+        sigma = variation.um_at_100mm / 1000.0 / REFERENCE_MM ** DEGREES[columns[0]]
+        rows_of: dict[str, list[int]] = {}
+        for row, owner in enumerate(_owners(variation, plan)):
             if plan.camera_ids[row] == variation.camera:
-                random = stream(seed, "film", trial, variation.terms, image_id)
-                coefficients[row, :, columns] += sigma * random.standard_normal((2, columns.stop - columns.start))
+                rows_of.setdefault(owner, []).append(row)
+        key = () if variation.per == "image" else (variation.per,)
+        for owner, rows in rows_of.items():
+            drawn = sigma * stream(seed, "film", trial, variation.terms, *key, owner).standard_normal((2, len(columns)))
+            if variation.terms == "affinity":
+                drawn[0] = 0.0
+            coefficients[np.ix_(rows, (0, 1), columns)] += drawn
     return DrawnFilm(coefficients)
+
+
+def _owners(variation: FilmVariation, plan: FlightPlan) -> tuple[str, ...]:
+    """(m) whose deformation each image has: its own, its flight's or its camera's."""
+    return {"image": plan.image_ids, "flight": plan.flight_ids, "camera": plan.camera_ids}[variation.per]
 
 
 def systematic(effects: Sequence[EffectOn], plan: FlightPlan, image: Indices) -> Callable[[Floats], Floats]:

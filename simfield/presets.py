@@ -13,6 +13,7 @@ from simfield.fields import Control, Quincunx, RegularGrid, Relief
 from simfield.flights import Flight
 from simfield.measurement import Measurement, PointCount
 from simfield.noise import Noise
+from simfield.presets_1982 import JAMIJARVI_1982, RHEIDT_1982
 from simfield.scenario import Scenario, StartValues
 
 ALL_ROUND_GON = (0.0, 100.0, 200.0, 300.0)
@@ -118,6 +119,6 @@ CONVERGENT = Scenario(
 )
 
 presets: Mapping[str, Scenario] = MappingProxyType(
-    {s.name: s for s in (RHEIDT_1980, RHEIDT_1980_FILM, GRID_SMALL, CONVERGENT)}
+    {s.name: s for s in (RHEIDT_1980, RHEIDT_1980_FILM, GRID_SMALL, CONVERGENT, RHEIDT_1982, JAMIJARVI_1982)}
 )
 """The scenarios by their name."""

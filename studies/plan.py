@@ -11,7 +11,7 @@ from typing import Any
 from studies.block_task import BEFORE, BlockTask, Columns
 from studies.conditions import Condition, base_table, conditions_of
 from studies.methods import Method, methods_of
-from studies.shards import DamageError
+from studies.shards import DamageError, ForeignError
 from studies.store import NOMINAL, SCHEMA, Store, StoreError
 from studies.study import Study
 
@@ -138,6 +138,8 @@ def look_at(store: Store, plan: Plan, condition: Condition, block: int) -> Shard
             store.read_shard(condition.id, NOMINAL, 1 << 16)
     except FileNotFoundError:
         return Shard(condition, block, "missing")
+    except ForeignError as error:
+        raise StoreError(f"{store.shard_path(condition.id, block)} belongs to another study: {error}") from None
     except DamageError as error:
         return Shard(condition, block, "damaged", str(error))
     if any(m.key + BEFORE + "status" not in columns for m in plan.methods):

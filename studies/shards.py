@@ -28,6 +28,10 @@ class DamageError(ValueError):
     """The file is not the whole shard that it should be; one line says why."""
 
 
+class ForeignError(DamageError):
+    """The file is a whole shard, of another study."""
+
+
 def encode(columns: Columns, label: Mapping[str, Any]) -> bytes:
     """The bytes of a shard: columns of int8 or float64, all of one length, and a label of plain values."""
     import pyarrow as pa
@@ -69,7 +73,7 @@ def decode(raw: bytes, expected: Mapping[str, Any], most_rows: int) -> dict[str,
     try:
         limits = {"thrift_string_size_limit": 1 << 24, "thrift_container_size_limit": 1 << 20}
         file = pq.ParquetFile(pa.BufferReader(raw), page_checksum_verification=True, pre_buffer=False, **limits)
-        header = _header(file.metadata, expected, most_rows)
+        header = _header(file.metadata, most_rows)
         table = file.read(use_threads=False)
         columns = {name: _values(table.column(name)) for name in table.column_names}
     except DamageError:
@@ -80,10 +84,14 @@ def decode(raw: bytes, expected: Mapping[str, Any], most_rows: int) -> dict[str,
     header.pop("format", None)
     if digest(columns, header) != claimed:
         raise DamageError("the content does not have the SHA-256 that the file claims")
+    for name, value in expected.items():
+        if header.get(name) != value:
+            kind = ForeignError if name == "study" else DamageError
+            raise kind(f"{name} is {header.get(name)!r}, not {value!r}")
     return columns
 
 
-def _header(metadata: Any, expected: Mapping[str, Any], most_rows: int) -> dict[str, Any]:
+def _header(metadata: Any, most_rows: int) -> dict[str, Any]:
     """What the shard says it is, after the sizes in the file's own header have been found plausible."""
     rows, columns = metadata.num_rows, metadata.num_columns
     if not 0 <= rows <= most_rows or columns > MOST_COLUMNS or metadata.num_row_groups > 1:
@@ -96,9 +104,6 @@ def _header(metadata: Any, expected: Mapping[str, Any], most_rows: int) -> dict[
     header = json.loads((metadata.metadata or {}).get(KEY, b"{}"))
     if not isinstance(header, dict) or header.get("format") != FORMAT:
         raise DamageError("this is no shard of simfield")
-    for name, value in expected.items():
-        if header.get(name) != value:
-            raise DamageError(f"{name} is {header.get(name)!r}, not {value!r}")
     return header
 
 

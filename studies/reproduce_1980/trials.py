@@ -42,7 +42,7 @@ def _run_row(world: World, number: int, row: Row, given: Floats) -> pd.DataFrame
     """All trials of one row; given (t, n, 3), m: the coordinates that the geodetic survey of each trial has found."""
     whole, truth = world.observe(0)
     block = sub_block(whole, truth, row.block, row.aux_points)
-    observations, points = _places(block, whole)
+    observations, points = places(block, whole)
     coordinates = given[:, points]
     draws = world.draws(0, len(given)).only(observations)
     r = adjust_replicates(block, ap_models.get(row.model), draws, coordinates=coordinates)
@@ -61,7 +61,7 @@ def _run_row(world: World, number: int, row: Row, given: Floats) -> pd.DataFrame
     )
 
 
-def _places(part: Block, whole: Block) -> tuple[Indices, Indices]:
+def places(part: Block, whole: Block) -> tuple[Indices, Indices]:
     """Where the observations and the points of a sub-block stand in the whole block."""
     place = {point: row for row, point in enumerate(whole.points.ids)}
     points = np.array([place[point] for point in part.points.ids])

@@ -64,7 +64,7 @@ def test_at_the_solution_each_group_has_its_redundancy(adjusted: Adjustment) -> 
     found = variance_components(adjusted)
     standard = Influence.of(found.adjustment).rows.standard
     for rows, redundancy in zip(groups_by_camera(adjusted).values(), found.redundancy, strict=True):
-        assert np.sum(standard[rows] ** 2) == pytest.approx(redundancy, rel=1e-5)
+        assert np.sum(standard[rows] ** 2) == pytest.approx(redundancy, rel=1e-3)
 
 
 def test_what_nothing_checks_is_held(ww_world: synthetic.World) -> None:

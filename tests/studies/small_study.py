@@ -19,7 +19,8 @@ block = 32
 
 [scenario]
 preset = "grid-small"
-field = { nx = 5, ny = 5, spacing_m = 800.0 }
+field = { nx = 5, ny = 5, spacing_m = 500.0 }
+flights = [{ flight_id = "ring", camera_id = "ww", scale = 11000.0, headings_gon = [0.0, 100.0, 200.0, 300.0] }]
 control = { rest = "check" }
 
 [grid]

@@ -56,7 +56,7 @@ def test_the_standard_error_agrees_with_the_jackknife(name: str) -> None:
     n = 150
     left_out = [MEASURES[name]({k: np.delete(v, i, axis=0) for k, v in s.items()}).estimate[0] for i in range(n)]
     jackknife = np.sqrt((n - 1) / n * np.sum((np.array(left_out) - np.mean(left_out)) ** 2))
-    assert MEASURES[name](s).mcse[0] == pytest.approx(jackknife, rel=0.03)
+    assert MEASURES[name](s).mcse[0] == pytest.approx(jackknife, rel=0.05)
 
 
 def test_the_values_are_those_of_the_definitions() -> None:
