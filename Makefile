@@ -12,7 +12,7 @@ INSTALLED := $(VENV)/.installed
 PEERS := $(VENV)/.peers
 
 .DEFAULT_GOAL := help
-.PHONY: help install test test-fast check reproduce bench
+.PHONY: help install test test-slow check reproduce bench
 
 help: ## show this list
 	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/make \1\t\2/p' $(MAKEFILE_LIST) | expand -t 16
@@ -26,11 +26,11 @@ $(INSTALLED): pyproject.toml
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[dev]'
 	@touch $@
 
-test: $(INSTALLED) ## run every test
-	$(BIN)/python -m pytest -n $(JOBS) $(PYTEST_ARGS)
-
-test-fast: $(INSTALLED) ## run the tests that take no more than seconds
+test: $(INSTALLED) ## run the tests, under five minutes on two cores
 	$(BIN)/python -m pytest -n $(JOBS) -m 'not slow' $(PYTEST_ARGS)
+
+test-slow: $(INSTALLED) ## run the long tests, as CI does
+	$(BIN)/python -m pytest -n $(JOBS) -m slow $(PYTEST_ARGS)
 
 check: $(INSTALLED) ## ruff, formatting, types and the layers of the packages
 	$(BIN)/ruff check .

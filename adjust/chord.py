@@ -62,10 +62,8 @@ class Trials:
             return cls(np.empty((0, size)), np.empty(0), np.empty(0, "i1"), np.empty(0, "i2"), np.empty(0, "i1"))
         names = ("x", "vpv", "status", "iterations", "route")
         cofactors = [p.cofactors for p in parts if p.cofactors is not None]
-        return cls(
-            *(np.concatenate([getattr(p, name) for p in parts]) for name in names),
-            np.concatenate(cofactors) if cofactors else None,
-        )
+        joined = {name: np.concatenate([getattr(p, name) for p in parts]) for name in names}
+        return cls(**joined, cofactors=np.concatenate(cofactors) if cofactors else None)
 
 
 @dataclass(frozen=True, eq=False)
@@ -173,7 +171,8 @@ class Chord:
     def _step_ahead(self, room: Workspace) -> Floats:
         """A first step of all trials with the nominal derivatives, in single precision; returns the steps' lengths."""
         starts, point, _, _ = self.indices
-        kernels.first_gradient(starts, point, *self.linearised, room.xy, room.scaled)
+        first, parameters, v, xy, jacobian, by_point = self.linearised
+        kernels.first_gradient(starts, point, first, parameters, v, xy, jacobian, by_point, room.xy, room.scaled)
         np.multiply(room.scaled, self.s[:, None], out=room.scaled, casting="same_kind")
         np.matmul(self.correlation, room.scaled, out=room.change)
         kernels.advance(room.change, np.ones(LANES), self.s, room.start, room.y, room.x)

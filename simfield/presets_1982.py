@@ -39,7 +39,7 @@ def _lenses(rc8r: float, rmk_ar: float) -> tuple[EffectOn, ...]:
     """Both lenses and the film affinity that all images of a camera share; the lenses times their amplitudes."""
     return (
         EffectOn(RadialPolynomial(rc8r * -2.25e-8, rc8r * 7.5e-13, rc8r * -1.2e-17, r0_mm=100.0), camera="rc8r"),
-        EffectOn(Decentering(rc8r * 4.6e-7, rc8r * -4.6e-7), camera="rc8r"),
+        EffectOn(Decentering(rc8r * 4.8e-7, rc8r * -4.8e-7), camera="rc8r"),
         EffectOn(RadialPolynomial(rmk_ar * -0.6e-8, rmk_ar * 2.0e-13, r0_mm=100.0), camera="rmk-ar"),
         EffectOn(Decentering(rmk_ar * -3.0e-7, rmk_ar * 5.7e-7), camera="rmk-ar"),
         EffectOn(FilmAffine(d=1.4e-5), camera="rc8r"),

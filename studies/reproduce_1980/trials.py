@@ -35,7 +35,8 @@ def run_trials(
         for table in parallel(delayed(_run_row)(world, number, row, given) for number, row in enumerate(rows)):
             tables.append(table)
             report(1)
-    return pd.concat(tables).sort_values(["row", "trial"], ignore_index=True)
+    joined: pd.DataFrame = pd.concat(tables).sort_values(["row", "trial"], ignore_index=True)
+    return joined
 
 
 def _run_row(world: World, number: int, row: Row, given: Floats) -> pd.DataFrame:
