@@ -10,6 +10,10 @@ from typing import Any
 import numba
 import numpy as np
 
+from adjust import compile_notice
+
+compile_notice.install()
+
 
 @numba.njit(cache=True, error_model="numpy", fastmath={"contract"})
 def linearise(

@@ -44,6 +44,8 @@ def explain(error: SingularError, observations: Observations, x: Floats) -> str:
     u = observations.image_points.unknowns
     if error.columns.start >= u.orientation:
         return _undetermined_point(u, (error.columns.start - u.orientation) // 3)
+    if not error.scaled.size:
+        return _too_large(u)
     empty = np.flatnonzero(np.diag(error.scaled) == 0.0)
     if empty.size:
         return _without_effect(u, int(empty[0]))
@@ -59,6 +61,15 @@ def explain(error: SingularError, observations: Observations, x: Floats) -> str:
     if rest.shape[1]:
         sentences.append(_say_not_separable(u, rest))
     return "; ".join(sentences)
+
+
+def _too_large(u: Unknowns) -> str:
+    control = u.block.points.role == "control"
+    given = (control[:, None] & np.isfinite(u.block.points.sigma)).sum(axis=0)
+    return (
+        f"the control has {given[0]} X, {given[1]} Y and {given[2]} Z coordinates; the block of {len(u.block.images)} images "
+        "is too large to name what is not determined, adjust a part of it and see"
+    )
 
 
 def _undetermined_point(u: Unknowns, point: int) -> str:

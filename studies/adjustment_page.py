@@ -64,7 +64,7 @@ def strong_correlations(a: Adjustment) -> tuple[list[Record], int]:
     r = np.triu(correlations(a.cofactors.orientation), 1)
     rows, columns = np.nonzero(np.abs(r) > STRONG)
     order = np.argsort(-np.abs(r[rows, columns]), kind="stable")
-    names = _orientation_names(a)
+    names = orientation_names(a)
     listed = [
         {"a": names[i], "b": names[j], "r": float(r[i, j])}
         for i, j in zip(rows[order[:PAIRS_MOST]].tolist(), columns[order[:PAIRS_MOST]].tolist(), strict=True)
@@ -127,7 +127,7 @@ def _pair_lines(a: Adjustment, most: int = 8) -> Iterator[str]:
         yield f"{pair['r']:8.4f}   " + ", ".join(names)
 
 
-def _orientation_names(a: Adjustment) -> list[dict[str, str]]:
+def orientation_names(a: Adjustment) -> list[dict[str, str]]:
     """Owner and name of every orientation unknown, in the layout of x."""
     images = [{"owner": image, "name": name} for image in a.block.images.ids for name in EXTERIOR_NAMES]
     sets = [{"owner": s.id, "name": name} for s in a.layout.sets for name in s.model.parameters]

@@ -82,7 +82,7 @@ def doctor() -> None:
 
 
 @main.command()
-@click.argument("what", metavar="EXPERIMENT", type=click.Choice(["mauelshagen-1980"]))
+@click.argument("what", metavar="EXPERIMENT", type=click.Choice(["mauelshagen-1980", "ziemann-1982"]))
 @click.option("--out", type=FOLDER, help="Folder for the results.  [default: results/EXPERIMENT]")
 @click.option("--trials", type=click.IntRange(2), default=DEFAULT_TRIALS, show_default=True, help="Simulated flights.")
 @click.option("--jobs", type=click.IntRange(1), help="Processes.  [default: one a core]")
@@ -91,12 +91,15 @@ def doctor() -> None:
 )
 def reproduce(what: str, out: Path | None, trials: int, jobs: int | None, seed: int) -> None:
     """Fly and adjust a published experiment; write its tables and figures beside the published ones."""
-    from studies import reproduce_1980
+    if what == "ziemann-1982":
+        from studies import reproduce_1982 as experiment
+    else:
+        from studies import reproduce_1980 as experiment  # type: ignore[no-redef]
 
     folder = out if out is not None else Path("results") / what
     try:
-        done = reproduce_1980.reproduce(folder, trials=trials, jobs=jobs, seed=seed)
-    except reproduce_1980.ReproductionError as error:
+        done = experiment.reproduce(folder, trials=trials, jobs=jobs, seed=seed)
+    except experiment.ReproductionError as error:
         raise Failure(str(error)) from error
     except OSError as error:
         raise Failure(f"{error.filename or folder}: cannot be written: {error.strerror}") from error
@@ -117,7 +120,8 @@ def reproduce(what: str, out: Path | None, trials: int, jobs: int | None, seed: 
     "--set", "settings", metavar="NAME=VALUE", multiple=True, help="A setting of the model, such as r0_mm=100."
 )
 @click.option("--json", "json_path", metavar="FILE|-", help="Write everything as JSON to a file, or to stdout (-).")
-def adjust(folder: Path, model_id: str, settings: tuple[str, ...], json_path: str | None) -> None:
+@click.option("-o", "--out", type=FOLDER, help="Folder for the protocol: text, JSON, observations and correlations.")
+def adjust(folder: Path, model_id: str, settings: tuple[str, ...], json_path: str | None, out: Path | None) -> None:
     """Adjust a block folder by bundles with self-calibration."""
     from adjust import adjust_block
     from simfield.block_folder import BlockFolderError, read_block
@@ -132,7 +136,9 @@ def adjust(folder: Path, model_id: str, settings: tuple[str, ...], json_path: st
     if json_path is not None:
         _write_json(adjustment_page.record(a), json_path)
     _refuse_failed(a)
-    if json_path is None:
+    if out is not None:
+        _write_protocol(a, out)
+    elif json_path is None:
         click.echo(adjustment_page.page(a))
 
 
@@ -213,6 +219,17 @@ def _write_json(record: dict[str, Any], path: str) -> None:
         Path(path).write_text(text + "\n", encoding="utf-8")
     except OSError as error:
         raise click.UsageError(f"{path} cannot be written: {error.strerror}") from error
+
+
+def _write_protocol(a: Adjustment, folder: Path) -> None:
+    from studies import protocol_files
+
+    try:
+        files = protocol_files.write(a, folder)
+    except OSError as error:
+        raise Failure(f"{error.filename or folder}: cannot be written: {error.strerror}") from error
+    for path in files:
+        click.echo(path, err=True)
 
 
 def _refuse_failed(a: Adjustment) -> None:

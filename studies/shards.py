@@ -1,8 +1,9 @@
 """A shard: some columns of equal length as a Parquet file that says what it is and notices every flipped bit.
 
-The file's own metadata hold what the shard is (`label`) and the SHA-256 of label and columns; every page has its
-checksum. Nothing is believed before it is checked: the sizes in the header are compared with what can be expected
-before a single page is unpacked.
+The file's own metadata hold what the shard is (`label`) and the SHA-256 of the whole file, taken with zeros in the place
+of its own digits; every page has its checksum besides. Nothing is believed before it is checked: the SHA-256 before
+anything is parsed (a flipped bit in the footer can abort the process in the Parquet library), then the sizes in the
+header, before a page is unpacked.
 """
 
 from __future__ import annotations
@@ -17,6 +18,8 @@ import numpy.typing as npt
 
 FORMAT = "simfield-shard-1"
 KEY = b"simfield"
+MARK = b"sha256 of this file with zeros here: "
+ZEROS = b"0" * 64
 MOST_BYTES = 1 << 30
 MOST_COLUMNS = 100_000
 DTYPES = ("int8", "float64")
@@ -37,7 +40,7 @@ def encode(columns: Columns, label: Mapping[str, Any]) -> bytes:
     import pyarrow as pa
     import pyarrow.parquet as pq
 
-    header = json.dumps({**label, "format": FORMAT, "sha256": digest(columns, label)}, sort_keys=True)
+    header = json.dumps({**label, "format": FORMAT, "sha256": (MARK + ZEROS).decode()}, sort_keys=True)
     arrays = [_array(pa, values) for values in columns.values()]
     table = pa.Table.from_arrays(arrays, names=list(columns))
     sink = pa.BufferOutputStream()
@@ -45,22 +48,32 @@ def encode(columns: Columns, label: Mapping[str, Any]) -> bytes:
     with pq.ParquetWriter(sink, table.schema, **plain, write_page_checksum=True, store_schema=False) as writer:
         writer.write_table(table, row_group_size=max(1, table.num_rows))
         writer.add_key_value_metadata({KEY: header})
-    return bytes(sink.getvalue())
+    return _sealed(bytes(sink.getvalue()))
+
+
+def _sealed(raw: bytes) -> bytes:
+    """The file with its SHA-256 in the place of the zeros."""
+    place = raw.rindex(MARK) + len(MARK)
+    return raw[:place] + hashlib.sha256(raw).hexdigest().encode() + raw[place + len(ZEROS) :]
+
+
+def _refuse_changed(raw: bytes) -> None:
+    """Raise DamageError unless every byte is as it was written."""
+    place = raw.rfind(MARK) + len(MARK)
+    claimed = raw[place : place + len(ZEROS)]
+    if place < len(MARK) or len(claimed) < len(ZEROS):
+        raise DamageError("the file is cut off, or no shard of simfield")
+    sha = hashlib.sha256(raw[:place])
+    sha.update(ZEROS)
+    sha.update(raw[place + len(ZEROS) :])
+    if sha.hexdigest().encode() != claimed:
+        raise DamageError("the file does not have the SHA-256 that it claims")
 
 
 def _array(pa: Any, values: npt.NDArray[Any]) -> Any:
     """An Arrow array over the values themselves; pa.array would import pandas to look whether they are its own."""
     kind = {"int8": pa.int8(), "float64": pa.float64()}[values.dtype.name]
     return pa.Array.from_buffers(kind, len(values), [None, pa.py_buffer(np.ascontiguousarray(values))])
-
-
-def digest(columns: Columns, label: Mapping[str, Any]) -> str:
-    """SHA-256 of a label and of names, types and values of columns."""
-    sha = hashlib.sha256(json.dumps(dict(label), sort_keys=True).encode())
-    for name, values in columns.items():
-        sha.update(f"\0{name}\0{values.dtype.name}\0{len(values)}\0".encode())
-        sha.update(np.ascontiguousarray(values).astype(values.dtype.newbyteorder("<"), copy=False).tobytes())
-    return sha.hexdigest()
 
 
 def decode(raw: bytes, expected: Mapping[str, Any], most_rows: int) -> dict[str, npt.NDArray[Any]]:
@@ -70,6 +83,7 @@ def decode(raw: bytes, expected: Mapping[str, Any], most_rows: int) -> dict[str,
 
     if not raw:
         raise DamageError("the file is empty")
+    _refuse_changed(raw)
     try:
         limits = {"thrift_string_size_limit": 1 << 24, "thrift_container_size_limit": 1 << 20}
         file = pq.ParquetFile(pa.BufferReader(raw), page_checksum_verification=True, pre_buffer=False, **limits)
@@ -80,10 +94,6 @@ def decode(raw: bytes, expected: Mapping[str, Any], most_rows: int) -> dict[str,
         raise
     except (pa.ArrowException, OSError, ValueError, KeyError, TypeError, MemoryError, OverflowError) as error:
         raise DamageError(f"no whole Parquet file: {_first_line(error)}") from None
-    claimed = header.pop("sha256", None)
-    header.pop("format", None)
-    if digest(columns, header) != claimed:
-        raise DamageError("the content does not have the SHA-256 that the file claims")
     for name, value in expected.items():
         if header.get(name) != value:
             kind = ForeignError if name == "study" else DamageError

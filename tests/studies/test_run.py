@@ -150,7 +150,9 @@ def test_more_trials_levels_and_methods_extend_a_study_and_change_nothing_that_i
     before = rows_of(tmp_path)
     plan = Plan.of(study(TEXT, ("max = 96", "max = 50")))
     old, _ = joined(Store(tmp_path, plan.identity_hash), plan, plan.conditions[0], 50)
-    more = study(TEXT, ("max = 96", "max = 80"), ("[3.0, 6.0]", "[9.0, 3.0, 6.0]"), ('"optical"]', '"optical", "torlegard"]'))
+    more = study(
+        TEXT, ("max = 96", "max = 80"), ("[3.0, 6.0]", "[9.0, 3.0, 6.0]"), ('"optical"]', '"optical", "torlegard"]')
+    )
     run_here(tmp_path, more)
     plan = Plan.of(more)
     condition = next(c for c in plan.conditions if c.columns["noise_um"] == 3.0)

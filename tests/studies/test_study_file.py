@@ -66,7 +66,11 @@ def test_several_wrong_types_and_unknown_keys_are_reported_at_once() -> None:
         ("[report]", '[paired]\nagainst = { ap = "x" }\n[report]', "paired.against.ap: found"),
         ('x = "noise_um"', 'x = "noise"', "report.x: 'noise' is neither factor nor key"),
         ('preset = "grid-small"', 'preset = "grid-smal"', "scenario.preset: no preset named 'grid-smal'"),
-        ("[grid]", '[grid]\n"flights[9].scale" = [1.0]', "grid.flights[9].scale[0]: flights[9].scale: there is no entry"),
+        (
+            "[grid]",
+            '[grid]\n"flights[9].scale" = [1.0]',
+            "grid.flights[9].scale[0]: flights[9].scale: there is no entry",
+        ),
         ("[grid]", "[factors]\nlens = 5\n[grid]", "factors.lens: found 5, allowed: a dotted path"),
         ("[study]", "[study]\ntext = 5", "study.text: unknown key"),
         ("[study]", "text = 5\n[study]", "text: unknown key"),
@@ -102,7 +106,7 @@ def test_what_is_no_study_file_is_refused_at_once(tmp_path, raw: bytes, line: st
 def test_a_grid_is_counted_before_it_is_built() -> None:
     levels = ", ".join(str(0.001 * i) for i in range(1, 1001))
     text = TEXT.replace(
-        "noise_um = [3.0, 6.0]", f"noise_um = [{levels}]\nscale = [{levels}]\n\"flights[0].sidelap\" = [{levels}]"
+        "noise_um = [3.0, 6.0]", f'noise_um = [{levels}]\nscale = [{levels}]\n"flights[0].sidelap" = [{levels}]'
     )
     started = time.monotonic()
     assert faults(text) == ["grid: 1000000000 conditions, allowed: at most 10000"]
@@ -126,7 +130,9 @@ def test_an_id_comes_from_the_content_and_not_from_the_place() -> None:
     before = {c.columns["noise_um"]: (c.id, c.seed) for c in conditions_of(study())}
     after = {c.columns["noise_um"]: (c.id, c.seed) for c in conditions_of(study(TEXT, ("[3.0, 6.0]", "[9, 6, 4, 3]")))}
     assert {level: after[level] for level in before} == before
-    assert len({c.id for c in conditions_of(study(TEXT, ("seed = 7", "seed = 8")))} | {i for i, _ in before.values()}) == 4
+    assert (
+        len({c.id for c in conditions_of(study(TEXT, ("seed = 7", "seed = 8")))} | {i for i, _ in before.values()}) == 4
+    )
 
 
 def test_paired_factors_share_the_seed_and_others_do_not() -> None:
@@ -141,7 +147,10 @@ def test_paired_factors_share_the_seed_and_others_do_not() -> None:
 def test_factors_can_multiply_and_be_labelled() -> None:
     made = study(
         TEXT,
-        ("[grid]", '[factors]\nlens = { paths = ["effects[0].effect.k1", "effects[*].effect.k2"], times = true }\n[grid]'),
+        (
+            "[grid]",
+            '[factors]\nlens = { paths = ["effects[0].effect.k1", "effects[*].effect.k2"], times = true }\n[grid]',
+        ),
         ("[3.0, 6.0]", '[3.0]\nlens = [0.0, 2]\nheadings_gon = [{ label = "north", value = [0.0] }]'),
     )
     none, twice = conditions_of(made)
@@ -152,7 +161,9 @@ def test_factors_can_multiply_and_be_labelled() -> None:
 
 
 def test_methods_are_crossed_and_compared_with_their_reference() -> None:
-    made = study(TEXT, ('"none", ', '"none", { id = "optical", r0_mm = 90 }, '), ("[methods]", "[methods]\nimage_um = [3, 5]"))
+    made = study(
+        TEXT, ('"none", ', '"none", { id = "optical", r0_mm = 90 }, '), ("[methods]", "[methods]\nimage_um = [3, 5]")
+    )
     keys = [m.key for m in methods_of(made)]
     assert len(keys) == 6
     assert "optical r0_mm=90, cameras all, with aux, image_um 3" in keys

@@ -1,0 +1,270 @@
+"""The protocol of an adjustment as figures: what a surveyor signs. The keys are those of protocol.json.
+
+Beside the estimates (studies.adjustment_page) it has the datum, the global test, redundancy by group, significance of
+additional parameters, reliability, suspected gross errors, residuals by image and by radius, control, and advice.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from adjust import Adjustment
+from adjust.gross_errors import Accused, Snooping, snoop
+from adjust.reliability import POWER, Reliability, familywise, noncentrality, tau_critical, w_critical
+from adjust.significance import ApSignificance, ap_significance, global_test
+from adjust.unknowns import POINT_NAMES
+from adjust.variance import groups_by_camera, variance_components
+from simfield.block import Floats
+from studies import adjustment_page
+from studies.advice import advice
+
+Record = dict[str, Any]
+LEVEL = 0.05
+"""of the global test and of the search for gross errors as a whole"""
+ALPHA = 0.001
+"""of the test of one observation, and of the minimal detectable bias"""
+RINGS = 8
+ACCUSED_MOST = 50
+
+
+@dataclass(frozen=True, eq=False)
+class Findings:
+    """What is computed once for the whole protocol."""
+
+    adjustment: Adjustment
+
+    @cached_property
+    def reliability(self) -> Reliability:
+        return Reliability.of(self.adjustment, ALPHA, POWER)
+
+    @cached_property
+    def snooping(self) -> Snooping:
+        """The tau test: a common factor of all standard deviations accuses nobody."""
+        a = self.adjustment
+        return snoop(a, familywise(LEVEL, a.observations), "tau", ACCUSED_MOST)
+
+    @cached_property
+    def ap(self) -> dict[str, ApSignificance]:
+        return {camera: ap_significance(self.adjustment, camera) for camera, e in self.adjustment.ap.items() if e.names}
+
+
+def record(a: Adjustment) -> Record:
+    """The whole protocol in plain types without NaN. Raises ValueError where the adjustment failed."""
+    findings = Findings(a)
+    found: Record = {
+        **adjustment_page.record(a),
+        "data": data(a),
+        "datum": datum(a),
+        "global_test": _global_test(a),
+        "groups": groups(findings),
+        "ap_significance": {camera: _significance(s) for camera, s in findings.ap.items()},
+        "reliability": reliability(findings),
+        "suspected": [_accused(each) for each in findings.snooping.accused],
+        "search": _search(findings),
+        "control": control(findings),
+        "residuals_by_image": residuals_by_image(a),
+        "residuals_by_radius": residuals_by_radius(a),
+    }
+    found["advice"] = advice(found)
+    return found
+
+
+def data(a: Adjustment) -> Record:
+    """What was adjusted, counted."""
+    b = a.block
+    role, rays = b.points.role, b.rays
+    return {
+        "images": {c.camera_id: int(np.sum(b.images.camera == i)) for i, c in enumerate(b.cameras)},
+        "points": {name: int(np.sum(role == name)) for name in ("control", "check", "tie")},
+        "image_points": len(b.observations),
+        "rays_per_point_mean": float(rays.mean()),
+        "points_with_two_rays": int(np.sum(rays == 2)),
+        "sigma_um": {"least": 1000.0 * float(b.observations.sigma.min()), "most": 1000.0 * float(b.observations.sigma.max())},
+        "models": {s.id: s.model.id for s in a.layout.sets},
+    }
+
+
+def datum(a: Adjustment) -> Record:
+    """What fixes the block in space."""
+    p = a.block.points
+    return {
+        "by": "control",
+        "fixed": {name: int(p.fixed[:, i].sum()) for i, name in enumerate(POINT_NAMES)},
+        "weighted": {name: int(p.weighted[:, i].sum()) for i, name in enumerate(POINT_NAMES)},
+        "rank_defect": 0,
+    }
+
+
+def groups(findings: Findings) -> list[Record]:
+    """Count, redundancy and vPv of every group of observations, with the factor of its standard deviations."""
+    a = findings.adjustment
+    try:
+        components = variance_components(a)
+        factors = dict(zip(components.names, zip(components.sigma_factor, components.sigma_factor_std, strict=True), strict=True))
+    except ValueError:
+        factors = {}
+    standard, r = findings.reliability.influence.rows.standard, findings.reliability.redundancy
+    found = []
+    for name, rows in groups_by_camera(a).items():
+        factor, std = factors.get(name, (math.nan, math.nan))
+        found.append(
+            {
+                "group": name,
+                "observations": len(rows),
+                "redundancy": float(r[rows].sum()),
+                "redundancy_mean": float(r[rows].mean()),
+                "vpv": float(np.sum(standard[rows] ** 2)),
+                "sigma_factor": number(float(factor)) if math.isfinite(std) else None,
+                "sigma_factor_std": number(float(std)),
+            }
+        )
+    return found
+
+
+def reliability(findings: Findings) -> Record:
+    """The reliability of the image coordinates in a few numbers, and of the points: the worst effect of a hidden error."""
+    found, a = findings.reliability, findings.adjustment
+    rows = found.image_points
+    r, mdb = found.redundancy[rows], found.mdb[rows]
+    weakest = int(np.argmin(r))
+    return {
+        "alpha": ALPHA,
+        "power": POWER,
+        "delta0": noncentrality(ALPHA, POWER),
+        "redundancy_least": float(r[weakest]),
+        "redundancy_least_of": found.name(weakest),
+        "redundancy_mean": float(r.mean()),
+        "below_0.1": int(np.sum(r < 0.1)),
+        "below_0.3": int(np.sum(r < 0.3)),
+        "mdb_median_um": number(1000.0 * float(np.median(mdb))),
+        "mdb_most_um": number(1000.0 * float(mdb.max())),
+        "external_median": number(float(np.median(found.external[rows]))),
+        "external_most": number(float(found.external[rows].max())),
+        "w_critical": w_critical(ALPHA),
+        "tau_critical": tau_critical(a.redundancy, ALPHA),
+        "w_above_critical": int(np.sum(np.abs(found.w) > w_critical(ALPHA))),
+        "w_above_critical_expected": ALPHA * a.observations,
+    }
+
+
+def control(findings: Findings) -> list[Record]:
+    """Weighted control coordinates: correction, redundancy, w; fixed ones have none."""
+    found = findings.reliability
+    start = found.image_points.stop
+    given = findings.adjustment.regular.groups.control
+    return [
+        {
+            "point": findings.adjustment.block.points.ids[at // 3],
+            "coordinate": POINT_NAMES[at % 3],
+            "v_m": float(found.influence.rows.v[row]),
+            "redundancy": float(found.redundancy[row]),
+            "w": number(float(found.w[row])),
+            "mdb_m": number(float(found.mdb[row])),
+        }
+        for row, at in enumerate(given.coordinates.tolist(), start=start)
+    ]
+
+
+def residuals_by_image(a: Adjustment) -> list[Record]:
+    """Number, mean and rms of the residuals of every image, um."""
+    found = []
+    for i, name in enumerate(a.block.images.ids):
+        v = 1000.0 * a.residuals[a.block.observations.image == i]
+        if len(v):
+            found.append({"image": name, "n": len(v), **_moments(v, ("x", "y"))})
+    return found
+
+
+def residuals_by_radius(a: Adjustment) -> list[Record]:
+    """Of every camera and ring about its principal point: number, mean and rms of radial and tangential residuals, um."""
+    b, found = a.block, []
+    camera = b.images.camera[b.observations.image]
+    for i, c in enumerate(b.cameras):
+        mine = camera == i
+        if not mine.any():
+            continue
+        reduced = b.observations.xy[mine] - [c.x0_mm, c.y0_mm]
+        radius = np.hypot(*reduced.T)
+        direction = reduced / np.where(radius > 0.0, radius, 1.0)[:, None]
+        across = np.column_stack([-direction[:, 1], direction[:, 0]])
+        v = 1000.0 * a.residuals[mine]
+        turned = np.column_stack([np.sum(v * direction, axis=1), np.sum(v * across, axis=1)])
+        bounds = np.linspace(0.0, radius.max() * (1.0 + 1e-12), RINGS + 1)
+        ring = np.digitize(radius, bounds) - 1
+        for j in range(RINGS):
+            if (ring == j).any():
+                limits = {"camera": c.camera_id, "from_mm": float(bounds[j]), "to_mm": float(bounds[j + 1])}
+                found.append({**limits, "n": int(np.sum(ring == j)), **_moments(turned[ring == j], ("radial", "tangential"))})
+    return found
+
+
+def number(value: float) -> float | None:
+    return value if math.isfinite(value) else None
+
+
+def _moments(v: Floats, names: tuple[str, str]) -> Record:
+    mean, rms = v.mean(axis=0), np.sqrt(np.mean(v**2, axis=0))
+    return {
+        **{f"mean_{name}_um": float(m) for name, m in zip(names, mean, strict=True)},
+        **{f"rms_{name}_um": float(m) for name, m in zip(names, rms, strict=True)},
+    }
+
+
+def _global_test(a: Adjustment) -> Record:
+    found = global_test(a, LEVEL)
+    return {
+        "alpha": LEVEL,
+        "vpv": found.vpv,
+        "lower": found.lower,
+        "upper": found.upper,
+        "p": found.p,
+        "passed": found.passed,
+    }
+
+
+def _significance(s: ApSignificance) -> list[Record]:
+    columns = zip(s.names, s.values, s.std, s.t, s.p, s.z, s.p_added, s.with_exterior, s.with_all, s.strongest, strict=True)
+    return [
+        {
+            "name": name,
+            "value": float(value),
+            "std": float(std),
+            "t": float(t),
+            "p": float(p),
+            "z": float(z),
+            "p_added": float(p_added),
+            "with_exterior": float(exterior),
+            "with_all": float(everything),
+            "strongest": {"owner": strongest[0], "name": strongest[1], "r": strongest[2]},
+        }
+        for name, value, std, t, p, z, p_added, exterior, everything, strongest in columns
+    ]
+
+
+def _accused(each: Accused) -> Record:
+    return {
+        "observation": each.name,
+        "tau": each.statistic,
+        "critical": each.critical,
+        "error": each.error,
+        "unit": "m" if "control" in each.name else "mm",
+        "redundancy": each.redundancy,
+        "confused_with": list(each.confused_with),
+    }
+
+
+def _search(findings: Findings) -> Record:
+    a = findings.adjustment
+    alpha = familywise(LEVEL, a.observations)
+    return {
+        "test": "tau",
+        "level_of_all": LEVEL,
+        "critical": tau_critical(a.redundancy, alpha),
+        "stopped": findings.snooping.stopped,
+        "sigma0_without": number(findings.snooping.adjustment.sigma0),
+    }

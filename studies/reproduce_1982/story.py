@@ -1,0 +1,65 @@
+"""The reproduction, told as a story: fly and adjust, compare, draw, write. Only this module knows file names."""
+
+from __future__ import annotations
+
+import json
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from simfield.scenario_file import scenario_as_table
+from studies.canvas import house_style, save
+from studies.provenance import provenance
+from studies.reproduce_1982 import drawings
+from studies.reproduce_1982.findings import Findings, compute
+from studies.reproduce_1982.pages import report_page
+from studies.reproduce_1982.table import FORMATS, RANK_FORMATS
+from studies.tables import write_csv
+
+
+@dataclass(frozen=True)
+class Reproduction:
+    """What was written, and a line for every adjustment of a trial that failed."""
+
+    files: list[Path]
+    failures: list[str]
+
+
+def reproduce(folder: Path, *, trials: int, jobs: int | None, seed: int) -> Reproduction:
+    """Write the reproduction into a folder. Raises ReproductionError if there is none, OSError if it cannot write."""
+    started = time.monotonic()
+    folder.mkdir(parents=True, exist_ok=True)
+    command = f"simfield reproduce ziemann-1982 --trials {trials} --seed {seed}"
+    found = compute(trials, jobs, seed)
+    files = [*_tables(found, folder), *_figures(found, folder), _page(found, folder, command)]
+    scenarios = {field: scenario_as_table(world.scenario) for field, world in found.worlds.items()}
+    parameters = {"trials": trials, "seed": seed, "scenarios": scenarios}
+    origin = folder / "provenance.json"
+    record = provenance(command, parameters, time.monotonic() - started)
+    origin.write_text(json.dumps(record, indent=1, allow_nan=False) + "\n", encoding="utf-8")
+    return Reproduction([*files, origin], found.failures)
+
+
+def _tables(found: Findings, folder: Path) -> Iterator[Path]:
+    written = {
+        "table": (found.table, FORMATS),
+        "beyond": (found.beyond, FORMATS),
+        "ranks": (found.ranks, RANK_FORMATS),
+    }
+    for name, (frame, formats) in written.items():
+        path = folder / f"{name}.csv"
+        write_csv(frame, path, formats)
+        yield path
+
+
+def _figures(found: Findings, folder: Path) -> Iterator[Path]:
+    with house_style():
+        yield from save(drawings.sets_figure(found.table), folder / "sets")
+        yield from save(drawings.levels_figure(found.table), folder / "levels")
+
+
+def _page(found: Findings, folder: Path, command: str) -> Path:
+    path = folder / "report.md"
+    path.write_text(report_page(found, command), encoding="utf-8")
+    return path
