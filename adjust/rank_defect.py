@@ -67,7 +67,8 @@ def _too_large(u: Unknowns) -> str:
     control = u.block.points.role == "control"
     given = (control[:, None] & np.isfinite(u.block.points.sigma)).sum(axis=0)
     return (
-        f"the control has {given[0]} X, {given[1]} Y and {given[2]} Z coordinates; the block of {len(u.block.images)} images "
+        f"the control has {given[0]} X, {given[1]} Y and {given[2]} Z coordinates; "
+        f"the block of {len(u.block.images)} images "
         "is too large to name what is not determined, adjust a part of it and see"
     )
 

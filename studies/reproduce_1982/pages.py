@@ -100,7 +100,7 @@ def _others(found: Findings) -> Iterator[str]:
     yield "## 4  Sets that the paper does not have\n"
     rows = found.beyond[~found.beyond["system"]]
     wide = rows.pivot_table(index="model", columns=["camera", "field"], values="sim_um", sort=False)
-    wide.columns = [f"{camera}, {field}" for camera, field in wide.columns]
+    wide.columns = pd.Index([", ".join(pair) for pair in wide.columns.to_list()])
     numbers = [len(model_of(str(name)).parameters) for name in wide.index]
     shown = wide.reset_index()
     shown.insert(1, "parameters", numbers)

@@ -113,8 +113,8 @@ FIGURES = ("published_um", "sim_um")
 
 def spearman(one: Floats, other: Floats) -> float:
     """Spearman's rank correlation; equal values share their mean rank."""
-    ranks = [pd.Series(np.round(values, 9)).rank() for values in (one, other)]
-    return float(np.corrcoef(*ranks)[0, 1])
+    first, second = (pd.Series(np.round(values, 9)).rank().to_numpy(float) for values in (one, other))
+    return float(np.corrcoef(first, second)[0, 1])
 
 
 def case_markdown(found: pd.DataFrame, case: Case) -> str:
@@ -125,7 +125,7 @@ def case_markdown(found: pd.DataFrame, case: Case) -> str:
         line = {"level": f"{level} {name}"}
         for letter in SETS:
             row = own[(own["level"] == level) & (own["set"] == letter)].iloc[0]
-            printed = "?" if np.isnan(row["published_um"]) else f"{row['published_um']:.1f}{'?' * row['doubtful']}"
+            printed = "?" if np.isnan(row["published_um"]) else f"{row['published_um']:.1f}{'?' if row['doubtful'] else ''}"
             line[letter] = f"{printed} / {row['sim_um']:.2f}"
         lines.append(line)
     return markdown(pd.DataFrame(lines))
