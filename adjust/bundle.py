@@ -11,6 +11,7 @@ from adjust.adjustment import Adjustment
 from adjust.ap_models.mauelshagen import NoModel
 from adjust.ap_models.model import ApModel
 from adjust.compiled_normals import Compiled
+from adjust.datum import ByControl, Datum
 from adjust.determinability import judged
 from adjust.normals import Plain
 from adjust.observations import Observations
@@ -21,24 +22,34 @@ from simfield.block import Block, Floats
 
 
 def adjust_block(
-    block: Block, model: ApModel | Mapping[str, ApModel] | None = None, *, compiled: bool = True
+    block: Block,
+    model: ApModel | Mapping[str, ApModel] | None = None,
+    *,
+    datum: Datum | None = None,
+    compiled: bool = True,
 ) -> Adjustment:
     """Adjust a block by bundles, with one set of additional parameters a camera.
 
     model is one AP model for all cameras (None: no additional parameters) or a mapping from camera id to model. The
     result's `status` says whether the adjustment succeeded; nothing is raised for data that cannot be adjusted. Raises
-    KeyError for a mapping without one of the cameras. compiled=False takes the readable arithmetic in plain numpy,
-    with the same result.
+    KeyError for a mapping without one of the cameras. datum says what ties the block to its frame (adjust.datum), the
+    control of the block by default. compiled=False takes the readable arithmetic in plain numpy, with the same result.
 
     Least squares of measured + v = projected + d(measured) with weights 1/sigma^2, by Gauss-Newton with the points
     eliminated (Triggs et al. 2000, Bundle adjustment - a modern synthesis, sections 4 and 6).
     """
-    unknowns = Unknowns.of(block, NoModel() if model is None else model)
+    datum = ByControl() if datum is None else datum
+    model = NoModel() if model is None else model
+    try:
+        block = datum.prepared(block)
+    except (initial.NoStartError, ValueError) as error:
+        return _without_datum(block, model, str(error))
+    unknowns = Unknowns.of(block, model)
     with np.errstate(all="ignore"):  # what is not finite ends with a status, not with a warning
         groups = Observations.of(block, unknowns)
         arithmetic = Compiled(groups) if compiled else Plain(groups)
         solution = _checked_solution(unknowns, groups, arithmetic)
-    return _answer(groups, solution, arithmetic)
+        return datum.finished(_answer(groups, solution, arithmetic))
 
 
 def reweighted(a: Adjustment, weights: Floats) -> Adjustment:
@@ -56,6 +67,12 @@ def _answer(groups: Observations, solution: Solution, arithmetic: Arithmetic) ->
     sentence = solution.status.value + (f": {solution.detail}" if solution.detail else "")
     u = groups.image_points.unknowns
     return Adjustment(u.block, u, groups, solution.x, solution.status, sentence, solution.iterations, arithmetic)
+
+
+def _without_datum(block: Block, model: ApModel | Mapping[str, ApModel], why: str) -> Adjustment:
+    unknowns = Unknowns.of(block, model)
+    groups = Observations.of(block, unknowns)
+    return _answer(groups, Solution(np.full(len(unknowns.free), np.nan), Status.NO_START, why, 0), Plain(groups))
 
 
 def _checked_solution(unknowns: Unknowns, groups: Observations, arithmetic: Arithmetic) -> Solution:

@@ -25,6 +25,8 @@ from simfield.block import Floats, Indices
 BLAS_RATE, LOOP_RATE, BAND_RATE = 15.0, 1.2, 4.0
 """multiplications a nanosecond of dense products, of the loop over pairs of rays, and of the banded factorisation;
 only their ratios matter, for the choice between a dense and a banded matrix"""
+DENSE_ANYWAY = 3e6
+"""a dense reduction of at most so many ns is not worth an ordering, which takes as long"""
 EXPLAINED_MOST = 3000
 """orientation unknowns of which a null space is looked for; 10 000 would take gigabytes and an hour"""
 
@@ -171,7 +173,7 @@ class Compiled:
         white = np.empty_like(normals.pe)
         loops.whiten(g.point, root, normals.pe, white)
         white_a = root @ normals.pa
-        if not self.ordering.banded:
+        if not self.banded:
             return self._dense(normals, root, white, white_a, condition_least)
         try:
             return banded(normals, self.ordering, g, root, white, white_a, condition_least)
@@ -179,6 +181,13 @@ class Compiled:
             if size > EXPLAINED_MOST:
                 raise SingularError(np.empty((0, 0)), np.empty(0), slice(0, size)) from None
             return self._dense(normals, root, white, white_a, condition_least)  # whose error can say why
+
+    @cached_property
+    def banded(self) -> bool:
+        """Whether a band is less work than a dense matrix; an order is only looked for where that could matter."""
+        m, _, n, _ = self.widths
+        dense = (1.5 * n * (6.0 * m) ** 2 + (6.0 * m) ** 3 / 6) / BLAS_RATE
+        return dense > DENSE_ANYWAY and self.ordering.work < dense
 
     @cached_property
     def ordering(self) -> Ordering:
@@ -222,13 +231,12 @@ class Ordering:
     ray_starts: Indices
     rays: Indices
 
-    @cached_property
-    def banded(self) -> bool:
-        """Whether a band is less work than a dense matrix."""
-        points, size, width = len(self.ray_starts) - 1, 6.0 * len(self.place), 6.0 * (self.reach + 1)
+    @property
+    def work(self) -> float:
+        """About the time of a banded reduction and factorisation, ns."""
+        size, width = 6.0 * len(self.place), 6.0 * (self.reach + 1)
         pairs = float(np.sum(np.diff(self.ray_starts) ** 2)) / 2
-        dense = (1.5 * points * size**2 + size**3 / 6) / BLAS_RATE
-        return bool(108 * pairs / LOOP_RATE + size * width**2 / BAND_RATE < dense)
+        return 108 * pairs / LOOP_RATE + size * width**2 / BAND_RATE
 
     @classmethod
     def of(cls, observations: Observations) -> Ordering:

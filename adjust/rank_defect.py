@@ -13,7 +13,7 @@ import numpy as np
 
 from adjust.normals import SingularError
 from adjust.observations import Observations
-from adjust.rotation import rotation_derivatives
+from adjust.similarity import station_motions
 from adjust.unknowns import EXTERIOR_NAMES, Unknowns
 from simfield.block import Floats, Indices
 
@@ -128,18 +128,7 @@ def _points(count: int) -> str:
 def _datum_directions(u: Unknowns, x: Floats, scale: Floats) -> Floats:
     """(E, 7) the changes of the scaled orientation unknowns under the seven similarity transformations, normed."""
     exterior = u.exterior(x)
-    position = exterior[:, :3] - _pivot(u, x)
-    rotation, by_angle = rotation_derivatives(exterior[:, 3:])
-    moves = np.zeros((len(u.block.images), 6, 7))
-    moves[:, :3, :3] = np.eye(3)
-    for axis in range(3):
-        moves[:, :3, 3 + axis] = np.cross(np.eye(3)[axis], position)
-        # the angles change so that dR = [axis]_x R
-        turned = np.cross(np.eye(3)[axis], rotation, axisb=1, axisc=1)
-        for image in range(len(exterior)):
-            columns = by_angle[:, image].reshape(3, 9).T
-            moves[image, 3:, 3 + axis] = np.linalg.lstsq(columns, turned[image].ravel(), rcond=None)[0]
-    moves[:, :3, 6] = position
+    moves = station_motions(exterior, _pivot(u, x))
     directions = np.zeros((len(scale), 7))
     directions[: 6 * len(exterior)] = moves.reshape(-1, 7)
     directions /= scale[:, None]

@@ -23,7 +23,7 @@ POINT_NAMES = ("X", "Y", "Z")
 
 @dataclass(frozen=True, eq=False)
 class ApSet:
-    """One set of additional parameters: its id (that of its camera), its model and its place in x."""
+    """One set of additional parameters: its id (that of its camera, or as ap_by says), its model and its place in x."""
 
     id: str
     model: ApModel
@@ -44,24 +44,28 @@ class Unknowns:
     """(3) the reduction of object coordinates, m"""
 
     @classmethod
-    def of(cls, block: Block, model: ApModel | Mapping[str, ApModel]) -> Unknowns:
-        """Raises KeyError when `model` is a mapping that lacks a camera of the block."""
-        used = [c for c in range(len(block.cameras)) if np.any(block.images.camera == c)]
+    def of(
+        cls, block: Block, model: ApModel | Mapping[str, ApModel], ap_by: Mapping[str, str] | None = None
+    ) -> Unknowns:
+        """ap_by: the id of the AP set of every image id; None: one set a camera.
+
+        Raises KeyError when `model` is a mapping that lacks a camera of the block or ap_by one that lacks an image,
+        and ValueError when ap_by lets images of two cameras share a set.
+        """
+        set_ids, image_set = _sets_of_images(block, ap_by)
         start = 6 * len(block.images)
         sets = []
-        for index in used:
-            camera_id = block.cameras[index].camera_id
+        for number, set_id in enumerate(set_ids):
+            camera_id = block.cameras[block.images.camera[np.argmax(image_set == number)]].camera_id
             if isinstance(model, Mapping) and camera_id not in model:
                 raise KeyError(f"no AP model given for camera {camera_id!r}; given are {', '.join(model) or 'none'}")
             chosen = model[camera_id] if isinstance(model, Mapping) else model
             count = len(chosen.parameters)
-            sets.append(ApSet(camera_id, chosen, slice(start, start + count)))
+            sets.append(ApSet(set_id, chosen, slice(start, start + count)))
             start += count
-        set_of_camera = np.zeros(len(block.cameras), dtype=np.intp)
-        set_of_camera[used] = np.arange(len(used))
         free = np.ones(start + 3 * len(block.points), dtype=bool)
         free[start:] = ~block.points.fixed.ravel()
-        return cls(block, tuple(sets), set_of_camera[block.images.camera], free, _origin(block))
+        return cls(block, tuple(sets), image_set, free, _origin(block))
 
     @property
     def orientation(self) -> int:
@@ -104,6 +108,21 @@ class Unknowns:
             if s.id == owner and name in s.model.parameters:
                 return int(s.columns.start + s.model.parameters.index(name))
         raise KeyError(f"no unknown {name!r} of {owner!r} in this adjustment")
+
+
+def _sets_of_images(block: Block, ap_by: Mapping[str, str] | None) -> tuple[list[str], Indices]:
+    """The ids of the sets, in the order of cameras and images, and the set (m) of every image."""
+    camera_ids = [block.cameras[c].camera_id for c in block.images.camera]
+    if ap_by is None:
+        used = [c.camera_id for c in block.cameras if c.camera_id in camera_ids]
+        return used, np.array([used.index(c) for c in camera_ids], dtype=np.intp)
+    named = [ap_by[image_id] for image_id in block.images.ids]
+    camera_of: dict[str, str] = {}
+    for set_id, camera_id in zip(named, camera_ids, strict=True):
+        if camera_of.setdefault(set_id, camera_id) != camera_id:
+            raise ValueError(f"AP set {set_id!r} has images of the cameras {camera_of[set_id]!r} and {camera_id!r}")
+    set_ids = list(camera_of)
+    return set_ids, np.array([set_ids.index(name) for name in named], dtype=np.intp)
 
 
 def _origin(block: Block) -> Floats:

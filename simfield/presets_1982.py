@@ -21,7 +21,7 @@ from dataclasses import replace
 
 from simfield.cameras import RC8R, RMK_AR
 from simfield.distortion import FilmVariation
-from simfield.effects import Decentering, EffectOn, FilmAffine, RadialPolynomial
+from simfield.effects import Decentering, EffectOn, FilmAffine, FilmPolynomial, RadialPolynomial
 from simfield.fields import Control, Quincunx, RegularGrid, Relief
 from simfield.flights import Flight
 from simfield.noise import Noise
@@ -36,13 +36,14 @@ def _flights(camera_id: str) -> tuple[Flight, Flight]:
 
 
 def _lenses(rc8r: float, rmk_ar: float) -> tuple[EffectOn, ...]:
-    """Both lenses and the film affinity that all images of a camera share; the lenses times their amplitudes."""
+    """Both lenses and the film deformation that all images of a camera share; the lenses times their amplitudes."""
     return (
-        EffectOn(RadialPolynomial(rc8r * -2.25e-8, rc8r * 7.5e-13, rc8r * -1.2e-17, r0_mm=100.0), camera="rc8r"),
-        EffectOn(Decentering(rc8r * 4.8e-7, rc8r * -4.8e-7), camera="rc8r"),
+        EffectOn(RadialPolynomial(rc8r * -1.65e-8, rc8r * 1.4e-13, rc8r * 6.5e-18, r0_mm=100.0), camera="rc8r"),
+        EffectOn(Decentering(p1=rc8r * -6.5e-7), camera="rc8r"),
         EffectOn(RadialPolynomial(rmk_ar * -0.6e-8, rmk_ar * 2.0e-13, r0_mm=100.0), camera="rmk-ar"),
         EffectOn(Decentering(rmk_ar * -3.0e-7, rmk_ar * 5.7e-7), camera="rmk-ar"),
         EffectOn(FilmAffine(d=1.4e-5), camera="rc8r"),
+        EffectOn(FilmPolynomial(dx_y3=1.3e-9), camera="rc8r"),
         EffectOn(FilmAffine(d=5.5e-5), camera="rmk-ar"),
     )
 
@@ -72,6 +73,6 @@ JAMIJARVI_1982 = replace(
     name="ziemann-jamijarvi",
     field=RegularGrid(18, 18, 2000.0 / 17.0, relief=Relief(mean_m=120.0, sigma_m=3.0)),
     flights=tuple(replace(f, ground_height_m=120.0) for f in RHEIDT_1982.flights),
-    effects=_lenses(0.56, 0.82),
+    effects=_lenses(0.57, 0.86),
     noise=Noise(image_um={"rc8r": 2.2, "rmk-ar": 3.35}, assumed_um=5.0, geodetic_mm=4.0),
 )

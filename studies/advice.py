@@ -18,7 +18,14 @@ SYSTEMATIC = 4.0
 
 def advice(found: Record) -> list[str]:
     """What a careful reader of the protocol would do next; empty if nothing is to be done."""
-    return [*_suspects(found), *_sigma0(found), *_weights(found), *_parameters(found), *_checks(found), *_geometry(found)]
+    return [
+        *_suspects(found),
+        *_sigma0(found),
+        *_weights(found),
+        *_parameters(found),
+        *_checks(found),
+        *_geometry(found),
+    ]
 
 
 def _listed(names: list[str]) -> str:

@@ -121,9 +121,19 @@ def reproduce(what: str, out: Path | None, trials: int, jobs: int | None, seed: 
 )
 @click.option("--json", "json_path", metavar="FILE|-", help="Write everything as JSON to a file, or to stdout (-).")
 @click.option("-o", "--out", type=FOLDER, help="Folder for the protocol: text, JSON, observations and correlations.")
-def adjust(folder: Path, model_id: str, settings: tuple[str, ...], json_path: str | None, out: Path | None) -> None:
+@click.option(
+    "--datum",
+    type=click.Choice(["control", "minimum", "inner"]),
+    default="control",
+    show_default=True,
+    help="What ties the block to its frame: its control, seven coordinates of it, or inner constraints (a free network).",
+)
+def adjust(
+    folder: Path, model_id: str, settings: tuple[str, ...], json_path: str | None, out: Path | None, datum: str
+) -> None:
     """Adjust a block folder by bundles with self-calibration."""
     from adjust import adjust_block
+    from adjust.datum import ByControl, InnerConstraints, MinimumControl
     from simfield.block_folder import BlockFolderError, read_block
     from studies import adjustment_page
 
@@ -132,12 +142,13 @@ def adjust(folder: Path, model_id: str, settings: tuple[str, ...], json_path: st
         block = read_block(folder)
     except BlockFolderError as error:
         raise Failure(str(error)) from error
-    a = adjust_block(block, model)
+    tied = {"control": ByControl, "minimum": MinimumControl, "inner": InnerConstraints}[datum]()
+    a = adjust_block(block, model, datum=tied)
     if json_path is not None:
         _write_json(adjustment_page.record(a), json_path)
     _refuse_failed(a)
     if out is not None:
-        _write_protocol(a, out)
+        _write_protocol(a, out, quiet=json_path == "-")
     elif json_path is None:
         click.echo(adjustment_page.page(a))
 
@@ -221,7 +232,7 @@ def _write_json(record: dict[str, Any], path: str) -> None:
         raise click.UsageError(f"{path} cannot be written: {error.strerror}") from error
 
 
-def _write_protocol(a: Adjustment, folder: Path) -> None:
+def _write_protocol(a: Adjustment, folder: Path, quiet: bool) -> None:
     from studies import protocol_files
 
     try:
@@ -229,7 +240,7 @@ def _write_protocol(a: Adjustment, folder: Path) -> None:
     except OSError as error:
         raise Failure(f"{error.filename or folder}: cannot be written: {error.strerror}") from error
     for path in files:
-        click.echo(path, err=True)
+        click.echo(path, err=quiet)
 
 
 def _refuse_failed(a: Adjustment) -> None:

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from adjust import Adjustment
+from adjust.datum import MOTIONS, FreeAdjustment
 from adjust.gross_errors import Accused, Snooping, snoop
 from adjust.reliability import POWER, Reliability, familywise, noncentrality, tau_critical, w_critical
 from adjust.significance import ApSignificance, ap_significance, global_test
@@ -84,7 +85,10 @@ def data(a: Adjustment) -> Record:
         "image_points": len(b.observations),
         "rays_per_point_mean": float(rays.mean()),
         "points_with_two_rays": int(np.sum(rays == 2)),
-        "sigma_um": {"least": 1000.0 * float(b.observations.sigma.min()), "most": 1000.0 * float(b.observations.sigma.max())},
+        "sigma_um": {
+            "least": 1000.0 * float(b.observations.sigma.min()),
+            "most": 1000.0 * float(b.observations.sigma.max()),
+        },
         "models": {s.id: s.model.id for s in a.layout.sets},
     }
 
@@ -92,8 +96,12 @@ def data(a: Adjustment) -> Record:
 def datum(a: Adjustment) -> Record:
     """What fixes the block in space."""
     p = a.block.points
+    if isinstance(a, FreeAdjustment):
+        ids = [p.ids[row] for row in a.datum_rows]
+        return {"by": "inner constraints", "points": ids, "fixed": {}, "weighted": {}, "rank_defect": MOTIONS}
     return {
         "by": "control",
+        "points": [name for name, row in zip(p.ids, p.fixed | p.weighted, strict=True) if row.any()],
         "fixed": {name: int(p.fixed[:, i].sum()) for i, name in enumerate(POINT_NAMES)},
         "weighted": {name: int(p.weighted[:, i].sum()) for i, name in enumerate(POINT_NAMES)},
         "rank_defect": 0,
@@ -105,7 +113,9 @@ def groups(findings: Findings) -> list[Record]:
     a = findings.adjustment
     try:
         components = variance_components(a)
-        factors = dict(zip(components.names, zip(components.sigma_factor, components.sigma_factor_std, strict=True), strict=True))
+        factors = dict(
+            zip(components.names, zip(components.sigma_factor, components.sigma_factor_std, strict=True), strict=True)
+        )
     except ValueError:
         factors = {}
     standard, r = findings.reliability.influence.rows.standard, findings.reliability.redundancy
@@ -199,7 +209,9 @@ def residuals_by_radius(a: Adjustment) -> list[Record]:
         for j in range(RINGS):
             if (ring == j).any():
                 limits = {"camera": c.camera_id, "from_mm": float(bounds[j]), "to_mm": float(bounds[j + 1])}
-                found.append({**limits, "n": int(np.sum(ring == j)), **_moments(turned[ring == j], ("radial", "tangential"))})
+                found.append(
+                    {**limits, "n": int(np.sum(ring == j)), **_moments(turned[ring == j], ("radial", "tangential"))}
+                )
     return found
 
 
@@ -228,7 +240,9 @@ def _global_test(a: Adjustment) -> Record:
 
 
 def _significance(s: ApSignificance) -> list[Record]:
-    columns = zip(s.names, s.values, s.std, s.t, s.p, s.z, s.p_added, s.with_exterior, s.with_all, s.strongest, strict=True)
+    columns = zip(
+        s.names, s.values, s.std, s.t, s.p, s.z, s.p_added, s.with_exterior, s.with_all, s.strongest, strict=True
+    )
     return [
         {
             "name": name,

@@ -58,7 +58,9 @@ def observations_csv(a: Adjustment) -> str:
     ids = ((b.images.ids[i], b.points.ids[p]) for i, p in zip(o.image.tolist(), o.point.tolist(), strict=True))
     digits = (6, 6, 5, 5, 4, 4, 6, 6)
     values = np.hstack(columns).tolist()
-    lines = ([*two, *(_cell(v, d) for v, d in zip(row, digits, strict=True))] for two, row in zip(ids, values, strict=True))
+    lines = (
+        [*two, *(_cell(v, d) for v, d in zip(row, digits, strict=True))] for two, row in zip(ids, values, strict=True)
+    )
     return _csv(OBSERVATIONS, lines)
 
 
@@ -68,7 +70,9 @@ def correlations_csv(a: Adjustment) -> str:
     start = 0 if len(names) <= FULL_MOST else 6 * len(a.block.images)
     at = np.arange(start, len(names))
     r = correlations(a.cofactors.block(at, at)).tolist()
-    return _csv(["", *names[start:]], ([name, *(_cell(v, 6) for v in row)] for name, row in zip(names[start:], r, strict=True)))
+    return _csv(
+        ["", *names[start:]], ([name, *(_cell(v, 6) for v in row)] for name, row in zip(names[start:], r, strict=True))
+    )
 
 
 def _cell(value: float, digits: int) -> str:

@@ -69,12 +69,17 @@ def _data(found: Record) -> Iterator[str]:
     yield ", ".join(f"{n} {role} points" for role, n in data["points"].items())
     yield f"{data['image_points']} image points, {data['rays_per_point_mean']:.2f} rays a point"
     least, most = (data["sigma_um"][name] for name in ("least", "most"))
-    yield f"a priori standard deviation of an image coordinate {least:.2f} um" + (f" to {most:.2f} um" if most > least else "")
+    yield f"a priori standard deviation of an image coordinate {least:.2f} um" + (
+        f" to {most:.2f} um" if most > least else ""
+    )
 
 
 def _datum(found: Record) -> Iterator[str]:
     datum = found["datum"]
-    yield f"by {datum['by']}, rank defect {datum['rank_defect']}"
+    yield from _wrapped(f"by {datum['by']} over {len(datum['points'])} points: {', '.join(datum['points'])}", "", "  ")
+    if datum["rank_defect"]:
+        yield f"rank defect {datum['rank_defect']}: shift, rotation and scale of the whole block, taken up by the constraints"
+        return
     for kind in ("fixed", "weighted"):
         yield f"{kind:<8} coordinates: " + ", ".join(f"{n} {axis}" for axis, n in datum[kind].items())
 
@@ -214,7 +219,15 @@ def _by_radius(found: Record) -> Iterator[str]:
         (e["camera"], f"{e['from_mm']:.0f} - {e['to_mm']:.0f}", str(e["n"]), *(f"{e[name]:.2f}" for name in names))
         for e in found["residuals_by_radius"]
     )
-    header = ("camera", "radius mm", "points", "mean radial um", "mean tangential um", "rms radial um", "rms tangential um")
+    header = (
+        "camera",
+        "radius mm",
+        "points",
+        "mean radial um",
+        "mean tangential um",
+        "rms radial um",
+        "rms tangential um",
+    )
     yield from _table(header, rows)
 
 

@@ -1,6 +1,6 @@
 """A shard: some columns of equal length as a Parquet file that says what it is and notices every flipped bit.
 
-The file's own metadata hold what the shard is (`label`) and the SHA-256 of the whole file, taken with zeros in the place
+The metadata of the file hold what the shard is (`label`) and the SHA-256 of the whole file, with zeros in the place
 of its own digits; every page has its checksum besides. Nothing is believed before it is checked: the SHA-256 before
 anything is parsed (a flipped bit in the footer can abort the process in the Parquet library), then the sizes in the
 header, before a page is unpacked.

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pandas as pd
 
-from studies.canvas import BLACK, BLUE, GREY, VERMILION, new_figure
+from studies.canvas import BLACK, BLUE, VERMILION, new_figure
 from studies.reproduce_1982.experiment import SETS, Case, cases
 from studies.reproduce_1982.reseau import LEVELS
 
@@ -35,7 +35,7 @@ def sets_figure(found: pd.DataFrame) -> Figure:
         axes.set_title(str(case))
         axes.set_xticks(np.arange(len(SETS)), list(SETS))
         axes.grid(True, axis="y")
-    _label(panels, "set of additional parameters", "rms of residual vectors, µm in the image")
+    _label(figure, panels, "set of additional parameters")
     figure.legend(*panels[0, 0].get_legend_handles_labels(), loc="outside lower center", ncols=4)
     return figure
 
@@ -53,7 +53,7 @@ def levels_figure(found: pd.DataFrame) -> Figure:
         axes.set_title(str(case))
         axes.set_xticks(list(LEVELS), [name.replace(" ", "\n") for name in LEVELS.values()])
         axes.grid(True, axis="y")
-    _label(panels, "correction of image deformation by the reseau", "rms of residual vectors, µm in the image")
+    _label(figure, panels, "correction of image deformation by the reseau")
     figure.legend(*panels[0, 0].get_legend_handles_labels(), loc="outside lower center", ncols=4)
     return figure
 
@@ -66,11 +66,8 @@ def _diamond(colour: str) -> dict[str, Any]:
     return {"linestyle": "none", "marker": "D", "markersize": 5, "fillstyle": "none", "color": colour}
 
 
-def _label(panels: Any, below: str, beside: str) -> None:
+def _label(figure: Figure, panels: Any, below: str) -> None:
     axes: Axes
     for axes in panels[-1]:
         axes.set_xlabel(below)
-    for axes in panels[:, 0]:
-        axes.set_ylabel(beside, color=BLACK)
-    for axes in panels.ravel():
-        axes.spines["left"].set_color(GREY)
+    figure.supylabel("rms of residual vectors, µm in the image", fontsize=8.5)

@@ -29,11 +29,12 @@ def table(trials: pd.DataFrame) -> pd.DataFrame:
     is better than none, from pairs of the same trial. n trials entered, `failures` did not. Raises ReproductionError where
     all trials of a row failed.
     """
-    paper = published.ziemann_el_hakim().set_index(["camera", "field", "level"])
+    paper = published.ziemann_el_hakim()
     rows = []
     for case in cases():
         for level in LEVELS:
-            printed = paper.loc[CAMERAS[case.camera], case.field, level]
+            same = (paper["camera"] == CAMERAS[case.camera]) & (paper["field"] == case.field)
+            printed = paper[same & (paper["level"] == level)].iloc[0]
             doubtful = str(printed["doubtful"]).split() if isinstance(printed["doubtful"], str) else []
             for letter, model in SETS.items():
                 given = {"published_um": float(printed[letter]), "doubtful": letter in doubtful}
@@ -101,10 +102,10 @@ def rank_correlations(found: pd.DataFrame) -> pd.DataFrame:
         whole = paper.index[paper.notna().all(axis=1)]
         levels["mean"] = (paper.loc[whole].mean(), simulated.loc[whole].mean())
         for level, (one, other) in levels.items():
-            readable = one.notna()
-            if readable.sum() >= FEWEST_RANKED:
-                rho = spearman(one[readable].to_numpy(float), other[readable].to_numpy(float))
-                rows.append((case.camera, case.field, level, int(readable.sum()), rho))
+            both = np.column_stack([one.to_numpy(float), other.to_numpy(float)])
+            both = both[np.isfinite(both[:, 0])]
+            if len(both) >= FEWEST_RANKED:
+                rows.append((case.camera, case.field, level, len(both), spearman(*both.T)))
     return pd.DataFrame(rows, columns=["camera", "field", "level", "sets", "spearman"])
 
 

@@ -10,6 +10,7 @@ import numpy as np
 
 from simfield.block import Floats, Indices
 from simfield.distortion import DEGREES, REFERENCE_MM, TERMS, FilmVariation, film_monomials
+from simfield.effects import FilmAffine, FilmPolynomial
 from simfield.noise import Noise
 from simfield.scenario import Scenario
 from simfield.simulate import World
@@ -80,7 +81,7 @@ def _rows_by_owner(world: World, component: Component) -> list[Indices]:
 
 
 def scenario_with(base: Scenario, name: str, sizes: Sequence[tuple[Component, float]]) -> Scenario:
-    """The scenario with these components in place of its own noise and film; its lenses stay."""
+    """The scenario with these components in place of its own noise and film; its lenses stay, its constant film deformation goes."""
     noise = {c.camera: size for c, size in sizes if c.kind == "noise"}
     survey = next((size for c, size in sizes if c.kind == "geodetic"), 0.0)
     terms: Any
@@ -89,5 +90,6 @@ def scenario_with(base: Scenario, name: str, sizes: Sequence[tuple[Component, fl
         if component.kind == "film" and size > 0.0:
             terms = component.terms
             film.append(FilmVariation(component.camera, terms, size, component.per))
+    effects = tuple(on for on in base.effects if not isinstance(on.effect, (FilmAffine, FilmPolynomial)))
     errors = Noise(image_um=noise, assumed_um=base.noise.assumed_um, geodetic_mm=survey)
-    return replace(base, name=name, film=tuple(film), noise=errors)
+    return replace(base, name=name, effects=effects, film=tuple(film), noise=errors)

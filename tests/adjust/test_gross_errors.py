@@ -46,7 +46,10 @@ class TestReweighting:
         o = noisy.block.observations
         factor = np.random.default_rng(1).uniform(0.5, 3.0, o.xy.shape)
         block = type(noisy.block)(
-            noisy.block.cameras, noisy.block.images, noisy.block.points, type(o)(o.image, o.point, o.xy, o.sigma * factor)
+            noisy.block.cameras,
+            noisy.block.images,
+            noisy.block.points,
+            type(o)(o.image, o.point, o.xy, o.sigma * factor),
         )
         expected = adjust_block(block, ap_models.get("torlegard"))
         found = reweighted(right, (1.0 / (o.sigma * factor) ** 2).ravel())
@@ -90,7 +93,9 @@ class TestSnooping:
     def test_the_rest_is_as_if_they_had_never_been(self, wrong: Adjustment, noisy: synthetic.World) -> None:
         found = snoop(wrong, familywise(0.05, wrong.observations)).adjustment
         other = snoop(
-            adjust_block(spoiled(noisy, {key: 3.0 * v for key, v in PLANTED.items()}).block, ap_models.get("torlegard")),
+            adjust_block(
+                spoiled(noisy, {key: 3.0 * v for key, v in PLANTED.items()}).block, ap_models.get("torlegard")
+            ),
             familywise(0.05, wrong.observations),
         ).adjustment
         assert found.redundancy == wrong.redundancy - len(PLANTED)
@@ -132,9 +137,7 @@ class TestSnooping:
         for row in out:
             search.take_out(row)
         np.testing.assert_allclose(search.redundancy[kept], np.diag(r), rtol=0.0, atol=1e-10)
-        np.testing.assert_allclose(
-            search.standard[kept], r @ (np.sqrt(weight) * v)[place][kept], rtol=0.0, atol=1e-8
-        )
+        np.testing.assert_allclose(search.standard[kept], r @ (np.sqrt(weight) * v)[place][kept], rtol=0.0, atol=1e-8)
         assert search.vpv == pytest.approx(np.sum(search.standard**2), rel=1e-12)
 
     def test_two_rays_cannot_tell_who_is_wrong(self, ww_world: synthetic.World) -> None:
@@ -145,7 +148,10 @@ class TestSnooping:
         rays = np.flatnonzero(o.point == name)[:2]
         kept = (o.point != name) | np.isin(np.arange(len(o)), rays)
         block = type(w.block)(
-            w.block.cameras, w.block.images, w.block.points, type(o)(o.image[kept], o.point[kept], o.xy[kept], o.sigma[kept])
+            w.block.cameras,
+            w.block.images,
+            w.block.points,
+            type(o)(o.image[kept], o.point[kept], o.xy[kept], o.sigma[kept]),
         )
         row = int(np.flatnonzero(block.observations.point == name)[0])
         xy = block.observations.xy.copy()

@@ -9,7 +9,7 @@ import pytest
 
 from adjust import Status, adjust_block, ap_models, initial
 from adjust.band_factor import BandFactor
-from adjust.compiled_normals import Compiled, Ordering
+from adjust.compiled_normals import Compiled
 from adjust.normals import Plain
 from adjust.observations import Observations
 from adjust.precision import Cofactors
@@ -125,7 +125,7 @@ class TestBand:
 
     @pytest.fixture
     def strip(self, monkeypatch: pytest.MonkeyPatch) -> synthetic.World:
-        monkeypatch.setattr(Ordering, "banded", True)
+        monkeypatch.setattr(Compiled, "banded", True)
         rng = np.random.default_rng(0)
         field = {f"{i}/{j}": [400.0 * i, 400.0 * j, rng.uniform(-40.0, 40.0)] for i in range(36) for j in range(-2, 3)}
         stations = [[966.0 * i, 0.0, 1605.0, *rng.normal(0.0, 0.01, 3)] for i in range(14)]

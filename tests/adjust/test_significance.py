@@ -123,7 +123,11 @@ class TestChoice:
 
     def test_stepwise_deletion_leaves_what_is_there(self, a: Adjustment) -> None:
         found = delete_stepwise(a, alpha=0.01)
-        assert [d.name for d in found.deleted] == ["a6", "a5", "a2"] or {d.name for d in found.deleted} == {"a2", "a5", "a6"}
+        assert [d.name for d in found.deleted] == ["a6", "a5", "a2"] or {d.name for d in found.deleted} == {
+            "a2",
+            "a5",
+            "a6",
+        }
         assert found.adjustment.ap["ww"].names == ("a1", "a3", "a4")
         assert all("not significant" in d.reason for d in found.deleted)
         assert (ap_significance(found.adjustment, "ww").p <= 0.01).all()
@@ -131,7 +135,9 @@ class TestChoice:
     def test_what_orientation_can_do_goes_first(self) -> None:
         """In a nearly flat, nearly vertical block a shift of the image is a shift of the station."""
         flight = [(synthetic.WW, synthetic.fly(synthetic.WW, 10500.0, headings=(0.0, 0.0), tilt_rad=0.002))]
-        flat = synthetic.world(flight, synthetic.quincunx(relief_m=20.0, per_group=2)).with_noise(np.random.default_rng(4))
+        flat = synthetic.world(flight, synthetic.quincunx(relief_m=20.0, per_group=2)).with_noise(
+            np.random.default_rng(4)
+        )
         flat = flat.controlled(flat.block.points.ids, (0.02, 0.02, 0.02))
         adjusted = adjust_block(flat.block, ap_models.get("ebner12"))
         if adjusted.status.ok:

@@ -80,5 +80,5 @@ def test_the_command_says_so_in_a_line(tmp_path: Path, monkeypatch: pytest.Monke
     (tmp_path / "file").write_text("", encoding="utf-8")
     done = CliRunner().invoke(main, ["run", str(tmp_path / "small.toml"), "--out", str(tmp_path / "file" / "x")])
     assert done.exit_code == 1
-    assert "Not a directory" in done.output
+    assert "File exists" in done.output
     assert "Traceback" not in done.output

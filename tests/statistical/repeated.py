@@ -58,7 +58,9 @@ class Repeated:
             block = nominal.block.replace_image_points(xy)
             layout = replace(nominal.layout, block=block)
             groups = Observations.of(block, layout)
-            yield replace(nominal, block=block, layout=layout, groups=groups, x=x, arithmetic=type(nominal.arithmetic)(groups))
+            yield replace(
+                nominal, block=block, layout=layout, groups=groups, x=x, arithmetic=type(nominal.arithmetic)(groups)
+            )
 
 
 def repeat(block: Block, model: ApModel, image_points: Floats) -> Repeated:
@@ -83,5 +85,3 @@ def assert_rate(rejected: Floats, level: float | Floats) -> None:
     binomial = np.sqrt(expected * (1.0 - expected) / rejected.size)
     standard_error = max(share.std(ddof=1) / np.sqrt(len(share)), 0.5 * binomial)
     assert abs(share.mean() - expected) <= STANDARD_ERRORS * standard_error, (share.mean(), expected, standard_error)
-
-
