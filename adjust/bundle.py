@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -13,6 +13,7 @@ from adjust.ap_models.model import ApModel
 from adjust.compiled_normals import Compiled
 from adjust.datum import ByControl, Datum
 from adjust.determinability import judged
+from adjust.further import Group, unknowns_of
 from adjust.normals import Plain
 from adjust.observations import Observations
 from adjust.solve import Arithmetic, Solution, solve
@@ -26,27 +27,37 @@ def adjust_block(
     model: ApModel | Mapping[str, ApModel] | None = None,
     *,
     datum: Datum | None = None,
+    observations: Sequence[Group] = (),
+    ap_by: Mapping[str, str] | None = None,
     compiled: bool = True,
 ) -> Adjustment:
-    """Adjust a block by bundles, with one set of additional parameters a camera.
+    """Adjust a block by bundles, with one set of additional parameters a camera, or as ap_by says.
 
     model is one AP model for all cameras (None: no additional parameters) or a mapping from camera id to model. The
     result's `status` says whether the adjustment succeeded; nothing is raised for data that cannot be adjusted. Raises
     KeyError for a mapping without one of the cameras. datum says what ties the block to its frame (adjust.datum), the
-    control of the block by default. compiled=False takes the readable arithmetic in plain numpy, with the same result.
+    control of the block by default. observations are further groups (adjust.stations, adjust.ap_priors); ValueError or
+    KeyError for those that do not fit the block. ap_by maps image ids to the ids of AP sets, so that every flight,
+    strip or image can have its own; ValueError if images of two cameras share one, KeyError for an image that it lacks.
+    compiled=False takes the readable arithmetic in plain numpy, with the same result.
 
     Least squares of measured + v = projected + d(measured) with weights 1/sigma^2, by Gauss-Newton with the points
     eliminated (Triggs et al. 2000, Bundle adjustment - a modern synthesis, sections 4 and 6).
     """
     datum = ByControl() if datum is None else datum
     model = NoModel() if model is None else model
+    names = unknowns_of(observations, block)
     try:
+        if not isinstance(datum, ByControl) and any(group.ties_datum for group in observations):
+            raise ValueError(
+                "a free network cannot hold observed stations; leave them out, or take the datum by control"
+            )
         block = datum.prepared(block)
     except (initial.NoStartError, ValueError) as error:
         return _without_datum(block, model, str(error))
-    unknowns = Unknowns.of(block, model)
+    unknowns = Unknowns.of(block, model, ap_by, names)
     with np.errstate(all="ignore"):  # what is not finite ends with a status, not with a warning
-        groups = Observations.of(block, unknowns)
+        groups = Observations.of(block, unknowns, observations)
         arithmetic = Compiled(groups) if compiled else Plain(groups)
         solution = _checked_solution(unknowns, groups, arithmetic)
         return datum.finished(_answer(groups, solution, arithmetic))

@@ -16,6 +16,7 @@ import scipy.linalg
 import scipy.sparse
 
 from adjust import compiled_assembly as loops
+from adjust import further
 from adjust.band_factor import BandFactor, SingularBandError, banded
 from adjust.normals import CONDITION_LEAST, DETERMINANT_LEAST, Factor, SingularError, reciprocal_condition
 from adjust.observations import Observations
@@ -75,7 +76,9 @@ class Compiled:
 
     @cached_property
     def linear_aa(self) -> Floats:
-        """(A, A) of the constant terms: they stand at the measured coordinates, so their normal equations never change."""
+        """(A, A) of the constant terms: they stand at the measured coordinates, so their normal equations never
+        change.
+        """
         return self.aa(self.observations.image_points.basis)
 
     def aa(self, terms: Floats) -> Floats:
@@ -116,6 +119,10 @@ class Compiled:
         )  # fmt: skip
         vpv += self._add_control(x, pp, gradient_p)
         aa = self.linear_aa if terms is g.basis else self.aa(terms)
+        if self.observations.further:
+            aa = aa.copy()
+            vpv += further.add_gradient(self.observations.further, x, gradient_e)
+            further.add_blocks(self.observations.further, x, ee, ea, aa)
         return CompiledNormals(gradient_e, gradient_p, vpv, depth, ee, ea, aa, pe, pa, pp)
 
     def gradient(self, x: Floats) -> Gradient:
@@ -129,6 +136,7 @@ class Compiled:
             gradient_e[: 6 * m].reshape(m, 6), gradient_e[6 * m :], gradient_p,
         )  # fmt: skip
         vpv += self._add_control(x, None, gradient_p)
+        vpv += further.add_gradient(self.observations.further, x, gradient_e)
         return Gradient(gradient_e, gradient_p, vpv, depth)
 
     def _linearised(self, x: Floats) -> tuple[Floats, Floats, Floats, Floats, float]:

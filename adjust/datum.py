@@ -2,12 +2,13 @@
 
 ByControl: the control of the block, fixed, weighted or partial; more than seven coordinates strain the block.
 MinimumControl: seven coordinates held fixed, chosen for the best geometry. InnerConstraints: no point is held; of all
-solutions the one nearest to given coordinates of the datum points, in the sum of squares, with the covariance matrix of the
-smallest trace over them (Meissl 1969; Baarda, S-transformations and criterion matrices, Neth. Geod. Comm. 5/1, 1973).
+solutions the one nearest to given coordinates of the datum points, in the sum of squares, with the covariance matrix
+of the smallest trace over them (Meissl 1969; Baarda, S-transformations and criterion matrices, Neth. Geod. Comm. 5/1,
+1973).
 
 A free network is solved on minimum control, moved by a similarity, and its cofactors are S-transformed:
-Q_S = S Q S^T with S = I - H (H_c^T H_c)^-1 H_c^T, where H (size, 7) are the motions of all unknowns and c the datum coordinates.
-Residuals, sigma0, additional parameters and reliability do not depend on the choice.
+Q_S = S Q S^T with S = I - H (H_c^T H_c)^-1 H_c^T, where H (size, 7) are the motions of all unknowns and c the datum
+coordinates. Residuals, sigma0, additional parameters and reliability do not depend on the choice.
 """
 
 from __future__ import annotations
@@ -97,12 +98,14 @@ class InnerConstraints:
 
 
 def free_network(a: Adjustment, rows: Indices, targets: Floats) -> FreeAdjustment:
-    """The S-transformation of an adjustment on minimum control, or of a free one: the points `rows` become the datum and
-    move nearest to the targets (k, 3), m. Raises ValueError for an adjustment on more control."""
+    """The S-transformation of an adjustment on minimum control, or of a free one: the points `rows` become the datum
+    and move nearest to the targets (k, 3), m. Raises ValueError for an adjustment on more control."""
     a = a.regular
     p = a.block.points
     if int(p.fixed.sum()) != MOTIONS or p.weighted.any():
-        raise ValueError("only an adjustment on minimum control can be given another datum without changing its residuals")
+        raise ValueError(
+            "only an adjustment on minimum control can be given another datum without changing its residuals"
+        )
     layout = a.layout
     moved = Similarity.between(layout.points(a.x)[rows], targets - layout.origin)
     points = moved.points(layout.points(a.x))
@@ -152,7 +155,9 @@ class FreeAdjustment(Adjustment):
 
 @dataclass(frozen=True, eq=False)
 class FreeCofactors(Cofactors):
-    """S-transformed cofactors: Q_S = Q - H K - K^T H^T + H L H^T, K = M Q_c, L = M Q_cc M^T, M = (H_c^T H_c)^-1 H_c^T."""
+    """S-transformed cofactors: Q_S = Q - H K - K^T H^T + H L H^T, K = M Q_c, L = M Q_cc M^T, M = (H_c^T H_c)^-1
+    H_c^T.
+    """
 
     minimum: Cofactors
     motions: Floats
@@ -198,7 +203,7 @@ class FreeCofactors(Cofactors):
 def _moved(a: Adjustment, x: Floats, points: Points) -> Adjustment:
     block = _with_points(a.block, points)
     layout = replace(a.layout, block=block)
-    groups = Observations.of(block, layout).with_weights(a.groups.weights)
+    groups = replace(Observations.of(block, layout), further=a.groups.further).with_weights(a.groups.weights)
     arithmetic = Compiled(groups) if isinstance(a.arithmetic, Compiled) else Plain(groups)
     return replace(a, block=block, layout=layout, groups=groups, x=x, arithmetic=arithmetic)
 
@@ -232,8 +237,8 @@ def _chosen(block: Block, ids: Sequence[str], given: np.typing.NDArray[np.bool_]
 
 
 def _seven(points: Floats, rows: Indices) -> Indices:
-    """The places (among all coordinates) of minimum control: two points far apart, and of a third one far from their line the
-    coordinate that a rotation about the line moves most."""
+    """The places (among all coordinates) of minimum control: two points far apart, and of a third one far from their
+    line the coordinate that a rotation about the line moves most."""
     first = int(np.argmax(np.linalg.norm(points - points.mean(axis=0), axis=1)))
     second = int(np.argmax(np.linalg.norm(points - points[first], axis=1)))
     line = points[second] - points[first]

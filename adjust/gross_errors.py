@@ -2,9 +2,10 @@
 
 The rule. In every round the observation with the largest |w| (or |tau|) is accused if that exceeds the critical value,
 and is taken out; all others are tested anew without it. When nobody else is accused, every observation taken out is
-tested once more beside the others that are out, and the least suspicious one is taken back if it stands its test; then the
-search goes on. An observation that the remaining ones check by less than LEAST_CHECKED of itself is never taken out: it
-could be anything. In the end the block is adjusted again without the accused, and searched again, until nothing changes.
+tested once more beside the others that are out, and the least suspicious one is taken back if it stands its test; then
+the search goes on. An observation that the remaining ones check by less than LEAST_CHECKED of itself is never taken
+out: it could be anything. In the end the block is adjusted again without the accused, and searched again, until
+nothing changes.
 
 Taking out is done exactly, in the linear model, by downdating the redundancy matrix: R' = R - u u^T with
 u = R e_i / sqrt(r_ii). No normal equations are solved before the end.
@@ -33,13 +34,15 @@ SHARE_MOST = 0.2
 ADJUSTMENTS_MOST = 5
 
 Test = Literal["w", "tau"]
-"""w: the a priori sigma0 = 1 is trusted; tau: sigma0 is estimated, and a common factor of all sigmas has no influence"""
+"""w: the a priori sigma0 = 1 is trusted; tau: sigma0 is estimated, and a common factor of all sigmas has no
+influence
+"""
 
 
 @dataclass(frozen=True)
 class Accused:
-    """An observation taken out: its row, its name, the test quantity and critical value when it was accused, the estimated
-    error in its own unit, its redundancy number then, and the others that could as well be the culprit."""
+    """An observation taken out: its row, its name, the test quantity and critical value when it was accused, the
+    estimated error in its own unit, its redundancy number then, and the others that could as well be the culprit."""
 
     row: int
     name: str
@@ -147,7 +150,7 @@ def snoop(a: Adjustment, alpha: float = ALPHA, test: Test = "w", most: int | Non
     current = a.regular
     weights = current.groups.weights
     for _ in range(ADJUSTMENTS_MOST):
-        search, fresh = _searched(current, alpha, test, limit - len(accused))
+        fresh = _searched(current, alpha, test, limit - len(accused))
         if not fresh:
             return Snooping(tuple(accused.values()), current)
         accused.update((each.row, each) for each in fresh)
@@ -159,7 +162,7 @@ def snoop(a: Adjustment, alpha: float = ALPHA, test: Test = "w", most: int | Non
     return Snooping(tuple(accused.values()), current, stopped=True)
 
 
-def _searched(a: Adjustment, alpha: float, test: Test, limit: int) -> tuple[_Search, list[Accused]]:
+def _searched(a: Adjustment, alpha: float, test: Test, limit: int) -> list[Accused]:
     """One search in the linear model of an adjustment."""
     search = _Search(Reliability.of(a, alpha), test, alpha)
     accused: dict[int, Accused] = {}
@@ -178,7 +181,7 @@ def _searched(a: Adjustment, alpha: float, test: Test, limit: int) -> tuple[_Sea
         # nobody is taken back twice, so that the search ends
         back.add(innocent)
         search = search.without(innocent)
-    return search, [accused[i] for i in search.out]
+    return [accused[i] for i in search.out]
 
 
 def _accusation(search: _Search, i: int, statistic: float) -> Accused:

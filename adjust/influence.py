@@ -1,7 +1,7 @@
 """How observations act on each other: R = I - A Q A^T P, row by row, without ever forming it.
 
-In units of their standard deviations the observations have the design matrix a = P^(1/2) A, the hat matrix h = a Q a^T and
-the redundancy matrix r = I - h, both symmetric. With the points eliminated (adjust.normals),
+In units of their standard deviations the observations have the design matrix a = P^(1/2) A, the hat matrix h = a Q a^T
+and the redundancy matrix r = I - h, both symmetric. With the points eliminated (adjust.normals),
 
     h_ij = t_i . t_j + (b_i . b_j where i and j see the same point),   t = (a_e - a_p Z) Q_ee^(1/2),   b = a_p V^(-1/2),
 
@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
 import scipy.linalg
@@ -29,7 +30,8 @@ NOTHING_LEFT = 1e-9
 
 @dataclass(frozen=True, eq=False)
 class Rows:
-    """All n observations, image coordinates in the order of the block (x, y, x, y, ...), then control, then further groups.
+    """All n observations, image coordinates in the order of the block (x, y, x, y, ...), then control, then further
+    groups.
 
     v (n) corrections in their own units, weight (n); point (n) the eliminated point that a row sees, or -1.
     """
@@ -79,6 +81,10 @@ class Influence:
         _fill_control(groups, a.layout.orientation, reduced[k2:q], right[k2:q], point[k2:q])
         values = np.empty(count)
         values[order], values[k2:q] = v, control.residuals(a.x)
+        for group in groups.further:
+            at, rows = group.at(a.x), np.arange(q, q + len(group.weight))
+            np.add.at(reduced, (rows[:, None], at.columns), at.values)
+            weight[rows], values[rows], q = group.weight, at.v, q + len(rows)
         inside = point >= 0
         right[inside] = (right[inside][:, None, :] @ factor.root[point[inside]].transpose(0, 2, 1))[:, 0]
         _subtract_hanging(reduced, right, point, factor.white)
@@ -115,7 +121,9 @@ class Influence:
         return np.asarray(column)
 
     def effect(self, i: Indices, at: Indices) -> Floats:
-        """(len(i), len(at)): the change of the unknowns `at` (places in x) by an error of one standard deviation in i."""
+        """(len(i), len(at)): the change of the unknowns `at` (places in x) by an error of one standard deviation in
+        i.
+        """
         a, factor = self.adjustment, self.factor
         size = a.layout.orientation
         # t D L^T = reduced row, so that Q_ee (a_e - a_p Z)^T = D L^-T t
@@ -138,7 +146,11 @@ def row_name(groups: Observations, row: int) -> str:
     block, k2 = points.unknowns.block, 2 * len(points.image)
     if row < k2:
         o = block.observations
-        return f"{'xy'[row % 2]} of point {block.points.ids[o.point[row // 2]]} in image {block.images.ids[o.image[row // 2]]}"
+        point, image = block.points.ids[o.point[row // 2]], block.images.ids[o.image[row // 2]]
+        return f"{'xy'[row % 2]} of point {point} in image {image}"
+    if row >= k2 + len(control.columns):
+        labels = [label for group in groups.further for label in group.labels]
+        return labels[row - k2 - len(control.columns)]
     at, axis = np.divmod(int(control.coordinates[row - k2]), 3)
     return f"{POINT_NAMES[axis]} of control point {block.points.ids[at]}"
 
@@ -170,7 +182,7 @@ def _subtract_hanging(reduced: Floats, right: Floats, point: Indices, white: Flo
     """Subtract a_p Z from the rows, those of a point together; right (n, 3) is a_p V^(-1/2), point -1 has none."""
     order = np.argsort(point, kind="stable")
     bounds = np.searchsorted(point[order], np.arange(len(white) + 1))
-    for p, (start, stop) in enumerate(zip(bounds[:-1], bounds[1:], strict=True)):
+    for p, (start, stop) in enumerate(pairwise(bounds)):
         rows = order[start:stop]
         reduced[rows] -= right[rows] @ white[p]
 

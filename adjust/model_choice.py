@@ -9,8 +9,8 @@ Only adjustments of the same observations with the same weights can be compared.
 
 Leave-one-image-out: how well do all other images predict an image, once it is oriented? With R_ii the block of the
 redundancy matrix that belongs to the image, e = R_ii^+ v_i are the residuals of its observations after resection in the
-points and additional parameters that the others give. Directions of the null space (its own orientation, points that the
-others do not determine) cannot be predicted and are left out, and so are those checked by less than LEAST_CHECKED.
+points and additional parameters that the others give. Directions of the null space (its own orientation, points that
+the others do not determine) cannot be predicted and are left out, and so are those checked by less than LEAST_CHECKED.
 """
 
 from __future__ import annotations
@@ -47,8 +47,8 @@ def bic(a: Adjustment) -> float:
 
 @dataclass(frozen=True, eq=False)
 class Prediction:
-    """Leave-one-image-out: for each image (m) the sum of squared prediction errors, in a priori standard deviations, and
-    the number of directions predicted."""
+    """Leave-one-image-out: for each image (m) the sum of squared prediction errors, in a priori standard deviations,
+    and the number of directions predicted."""
 
     squares: Floats
     count: Indices
@@ -85,7 +85,9 @@ def leave_one_image_out(a: Adjustment) -> Prediction:
 
 @dataclass(frozen=True)
 class Deletion:
-    """A parameter that was deleted, and why: its t and level, or its multiple correlation with the exterior orientation."""
+    """A parameter that was deleted, and why: its t and level, or its multiple correlation with the exterior
+    orientation.
+    """
 
     camera_id: str
     name: str
@@ -112,9 +114,11 @@ def delete_stepwise(a: Adjustment, alpha: float = ALPHA, correlation_most: float
     """Delete additional parameters one at a time and adjust again, until all that are left are needed.
 
     The rule: first the one with the highest multiple correlation with the exterior orientation, if above
-    `correlation_most`; then the one with the smallest |t|, if its two-sided level exceeds alpha. Levels after a choice are
-    no longer exact: of the noise parameters that remain, more than a share alpha may look significant.
+    `correlation_most`; then the one with the smallest |t|, if its two-sided level exceeds alpha. Levels after a choice
+    are no longer exact: of the noise parameters that remain, more than a share alpha may look significant.
     """
+    if {s.id for s in a.layout.sets} - {c.camera_id for c in a.block.cameras}:
+        raise ValueError("stepwise deletion needs one set of additional parameters a camera")
     deleted: list[Deletion] = []
     models: Mapping[str, ApModel] = {s.id: s.model for s in a.layout.sets}
     while (worst := _worst(a, alpha, correlation_most)) is not None:

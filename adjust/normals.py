@@ -19,6 +19,7 @@ from functools import cached_property
 import numpy as np
 import scipy.linalg
 
+from adjust import further
 from adjust.observations import Observations
 from simfield.block import Floats, Indices
 
@@ -92,6 +93,8 @@ def assemble(observations: Observations, x: Floats) -> Normals:
     fixed_point, fixed_axis = np.nonzero(u.block.points.fixed)
     pp[fixed_point, fixed_axis, fixed_axis] = 1.0
     vpv = float(np.sum(points.weight * at.v**2) + np.sum(control.weight * v**2))
+    vpv += further.add_gradient(observations.further, x, gradient_e)
+    further.add_dense(observations.further, x, ee)
     return Normals(ee, pe, pp, gradient_e, gradient_p, vpv, float(at.depth.min()))
 
 

@@ -5,11 +5,14 @@ Residuals are corrections, v = f(x) - measured, and weights are 1/sigma^2.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
 
+from adjust import further
 from adjust.collinearity import linearise, project
 from adjust.unknowns import ApSet, Unknowns
 from simfield.block import Block, Floats, Indices
@@ -106,7 +109,8 @@ class ImagePoints:
 
     def distortion(self, x: Floats) -> Distortion:
         """d and its derivatives at x, and the interior orientation to project with."""
-        d = (self.basis @ self.ap_values(x)[self.image][:, :, None])[:, :, 0]
+        with np.errstate(invalid="ignore"):  # a term with a pole; the status names it
+            d = (self.basis @ self.ap_values(x)[self.image][:, :, None])[:, :, 0]
         if not self.not_linear:
             return Distortion(d, self.basis, self.interior)
         terms, interior = self.basis.copy(), self.interior.copy()
@@ -119,7 +123,9 @@ class ImagePoints:
         return Distortion(d, terms, interior)
 
     def add_principal_distance(self, at: Distortion, projected: Floats) -> None:
-        """Put the derivative of projected (k, 2) by the principal distance, -p_x/p_z, into the terms that stand for it."""
+        """Put the derivative of projected (k, 2) by the principal distance, -p_x/p_z, into the terms that stand for
+        it.
+        """
         for s, rows, _ in self.not_linear:
             if s.model.principal_distance:
                 interior = at.interior[self.image[rows]]
@@ -185,34 +191,44 @@ class Observations:
 
     image_points: ImagePoints
     control: ControlCoordinates
+    further: tuple[further.Bound, ...] = ()
 
     @classmethod
-    def of(cls, block: Block, unknowns: Unknowns) -> Observations:
-        return cls(ImagePoints.of(block, unknowns), ControlCoordinates.of(block, unknowns))
+    def of(cls, block: Block, unknowns: Unknowns, groups: Sequence[further.Group] = ()) -> Observations:
+        bound = tuple(group.bind(unknowns) for group in groups)
+        return cls(ImagePoints.of(block, unknowns), ControlCoordinates.of(block, unknowns), bound)
 
     @property
     def rows(self) -> int:
         """The number of observations, those of weight 0 included."""
-        return 2 * len(self.image_points.image) + len(self.control.columns)
+        more = sum(len(group.weight) for group in self.further)
+        return 2 * len(self.image_points.image) + len(self.control.columns) + more
 
     @property
     def count(self) -> int:
         """The number of observations that count: an observation of weight 0 is rejected."""
-        rejected = np.sum(self.image_points.weight == 0.0) + np.sum(self.control.weight == 0.0)
-        return self.rows - int(rejected)
+        return int(np.count_nonzero(self.weights))
 
     @property
     def weights(self) -> Floats:
-        """(rows) the weights: image coordinates in the order of the block (x, y, x, y, ...), then control."""
+        """(rows) the weights: image coordinates in the order of the block (x, y, x, y, ...), then control, then
+        further groups.
+        """
         image_points = np.empty_like(self.image_points.weight)
         image_points[self.image_points.order] = self.image_points.weight
-        return np.concatenate([image_points.ravel(), self.control.weight])
+        return np.concatenate([image_points.ravel(), self.control.weight, *(group.weight for group in self.further)])
 
     def with_weights(self, weights: Floats) -> Observations:
         """The same observations with other weights, in the order of `weights`; 0 rejects an observation."""
         k2 = 2 * len(self.image_points.image)
         image_points = weights[:k2].reshape(-1, 2)[self.image_points.order]
-        return Observations(replace(self.image_points, weight=image_points), replace(self.control, weight=weights[k2:]))
+        bounds = np.cumsum([k2, len(self.control.weight), *(len(group.weight) for group in self.further)])
+        control, *others = (weights[start:stop] for start, stop in pairwise(bounds))
+        return Observations(
+            replace(self.image_points, weight=image_points),
+            replace(self.control, weight=control),
+            tuple(group.with_weight(weight) for group, weight in zip(self.further, others, strict=True)),
+        )
 
     def cost(self, x: Floats) -> float:
         """vPv; infinite when a point lies behind a camera."""
@@ -220,13 +236,15 @@ class Observations:
         if not (depth > 0.0).all():
             return float("inf")
         control = self.control.residuals(x)
-        return float(np.sum(self.image_points.weight * v**2) + np.sum(self.control.weight * control**2))
+        squares = np.sum(self.image_points.weight * v**2) + np.sum(self.control.weight * control**2)
+        return float(squares) + further.vpv(self.further, x)
 
     @property
     def magnitude(self) -> float:
         """The norm of the observations in units of their standard deviations: what rounding errors are relative to."""
         points, control = self.image_points, self.control
-        return float(np.sqrt(np.sum(points.weight * points.xy**2) + np.sum(control.weight * control.given**2) + 1.0))
+        squares = np.sum(points.weight * points.xy**2) + np.sum(control.weight * control.given**2)
+        return float(np.sqrt(squares + sum(np.sum(g.weight * g.given**2) for g in self.further) + 1.0))
 
 
 def _basis(unknowns: Unknowns, image: Indices, xy: Floats) -> Floats:

@@ -9,8 +9,8 @@ With r_i the redundancy number of observation i, v_i its correction and sigma_i 
     external_i = delta0 sqrt((1 - r_i) / r_i)  an error of that size moves no function of the unknowns by more than so
                                                many of its a priori standard deviations (Baarda 1968; Foerstner 1985)
 
-Baarda: A testing procedure for use in geodetic networks, Neth. Geod. Comm. 2/5, 1968. Pope: The statistics of residuals and
-the detection of outliers, NOAA TR NOS 65 NGS 1, 1976.
+Baarda: A testing procedure for use in geodetic networks, Neth. Geod. Comm. 2/5, 1968. Pope: The statistics of
+residuals and the detection of outliers, NOAA TR NOS 65 NGS 1, 1976.
 """
 
 from __future__ import annotations
@@ -31,7 +31,8 @@ POWER = 0.8
 
 
 def noncentrality(alpha: float = ALPHA, power: float = POWER) -> float:
-    """delta0: the shift of a standard normal that a two-sided test of level alpha finds with this power; 4.13 by default.
+    """delta0: the shift of a standard normal that a two-sided test of level alpha finds with this power; 4.13 by
+    default.
 
     The far tail is left out, as in Baarda's nomograms; it adds less than 1e-4 to the power for alpha <= 5 %.
     """
@@ -119,7 +120,9 @@ class Reliability:
 
     @cached_property
     def external(self) -> Floats:
-        """(n) the bound of the effect of an undetected bias on anything, in a priori standard deviations of that thing."""
+        """(n) the bound of the effect of an undetected bias on anything, in a priori standard deviations of that
+        thing.
+        """
         r = self._root**2
         return np.where(np.isnan(r), np.inf, self.delta0 * np.sqrt((1.0 - r) / r))
 

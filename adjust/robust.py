@@ -1,9 +1,9 @@
 """Robust estimation by reweighting: many gross errors at once lose their weight, step by step.
 
-In every round each observation gets the weight f(u) / sigma^2 with its own f, where u = |w| / s is the residual it would
-have if it were alone at fault, standardised by its redundancy number, and s the robust scale of all w (1.4826 times the
-median of |w|; Hampel 1974). With f = rho'(u) / u this minimises the sum of rho(u) (Huber 1964). The rounds end when no
-f changes by more than FACTOR_LEFT.
+In every round each observation gets the weight f(u) / sigma^2 with its own f, where u = |w| / s is the residual it
+would have if it were alone at fault, standardised by its redundancy number, and s the robust scale of all w (1.4826
+times the median of |w|; Hampel 1974). With f = rho'(u) / u this minimises the sum of rho(u) (Huber 1964). The rounds
+end when no f changes by more than FACTOR_LEFT.
 
 Small redundancy numbers let an error hide in the estimates, so robust estimation does not make weak geometry strong.
 """
@@ -72,8 +72,8 @@ class Cauchy:
 
 @dataclass(frozen=True)
 class Suspect:
-    """An observation that does not fit: its row, its name, u, the final factor of its weight, and the estimated error in
-    its own unit."""
+    """An observation that does not fit: its row, its name, u, the final factor of its weight, and the estimated error
+    in its own unit."""
 
     row: int
     name: str
@@ -129,7 +129,8 @@ def _scale(w: Floats) -> float:
 
 
 def _alone(a: Adjustment, factor: Floats) -> tuple[Floats, Floats, Floats]:
-    """Of every observation (n): w and estimated error if it alone had no weight, and its redundancy number with full weight.
+    """Of every observation (n): w and estimated error if it alone had no weight, and its redundancy number with full
+    weight.
 
     With the reduced weight f p the redundancy number is r_f = 1 / (1 + f s), with full weight 1 / (1 + s). NaN for what
     is hardly checked or rejected.

@@ -1,6 +1,7 @@
 """Which additional parameters an adjustment needs: tests of single ones, of groups, and of sigma0.
 
-With estimates x, cofactors Q and redundancy f, all under the normal distribution and the hypothesis that the parameter is 0:
+With estimates x, cofactors Q and redundancy f, all under the normal distribution and the hypothesis that the parameter
+is 0:
 
     t_j = x_j / (sigma0 sqrt(q_jj))                  Student's t with f degrees of freedom
     F = x_g^T Q_gg^-1 x_g / (k sigma0^2)             Fisher's F with k and f, for a group g of k parameters
@@ -97,12 +98,14 @@ def f_test(a: Adjustment, *names: Name) -> FTest:
 
 
 def ap_significance(a: Adjustment, camera_id: str) -> ApSignificance:
-    """The additional parameters of a camera, tested. Raises KeyError for a camera without, ValueError after a failure."""
+    """The additional parameters of a camera, tested. Raises KeyError for a camera without, ValueError after a
+    failure.
+    """
     found = a.ap[camera_id]
     at = [a.layout.index(camera_id, name) for name in found.names]
     if not at:
         nothing = np.zeros(0)
-        return ApSignificance((), *(nothing for _ in range(8)), ())
+        return ApSignificance((), *[nothing] * 8, strongest=())
     q = a.regular.cofactors.orientation
     t = found.values / found.std
     z = _added(found.values, q[np.ix_(at, at)]) / a.sigma0
@@ -122,12 +125,14 @@ def ap_significance(a: Adjustment, camera_id: str) -> ApSignificance:
 
 
 def multiple_correlation(q: Floats, at: Sequence[int], others: np.typing.NDArray[np.intp]) -> Floats:
-    """The multiple correlation of each unknown `at` with all `others`, from cofactors q: sqrt(q_jo Q_oo^-1 q_oj / q_jj)."""
+    """The multiple correlation of each unknown `at` with all `others`, from cofactors q: sqrt(q_jo Q_oo^-1 q_oj /
+    q_jj).
+    """
     std = np.sqrt(np.diag(q))
     r = q / std / std[:, None]
-    across = r[np.ix_(others, at)]
+    across = r[others][:, list(at)]
     inner = scipy.linalg.solve(r[np.ix_(others, others)], across, assume_a="pos", check_finite=False)
-    return np.sqrt(np.clip(np.einsum("oj,oj->j", across, inner), 0.0, 1.0))
+    return np.asarray(np.sqrt(np.clip(np.einsum("oj,oj->j", across, inner), 0.0, 1.0)))
 
 
 def _added(x: Floats, q: Floats) -> Floats:

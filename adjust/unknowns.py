@@ -42,10 +42,16 @@ class Unknowns:
     """(size) False for coordinates held fixed"""
     origin: Floats
     """(3) the reduction of object coordinates, m"""
+    further: tuple[tuple[str, str], ...] = ()
+    """owner and name of the unknowns that further observations bring along; they stand behind the last AP set"""
 
     @classmethod
     def of(
-        cls, block: Block, model: ApModel | Mapping[str, ApModel], ap_by: Mapping[str, str] | None = None
+        cls,
+        block: Block,
+        model: ApModel | Mapping[str, ApModel],
+        ap_by: Mapping[str, str] | None = None,
+        further: tuple[tuple[str, str], ...] = (),
     ) -> Unknowns:
         """ap_by: the id of the AP set of every image id; None: one set a camera.
 
@@ -63,14 +69,15 @@ class Unknowns:
             count = len(chosen.parameters)
             sets.append(ApSet(set_id, chosen, slice(start, start + count)))
             start += count
+        start += len(further)
         free = np.ones(start + 3 * len(block.points), dtype=bool)
         free[start:] = ~block.points.fixed.ravel()
-        return cls(block, tuple(sets), image_set, free, _origin(block))
+        return cls(block, tuple(sets), image_set, free, _origin(block), further)
 
     @property
     def orientation(self) -> int:
         """The number of orientation unknowns, and the place of the first coordinate in x."""
-        return 6 * len(self.block.images) + sum(len(s.model.parameters) for s in self.sets)
+        return 6 * len(self.block.images) + sum(len(s.model.parameters) for s in self.sets) + len(self.further)
 
     @property
     def count(self) -> int:
@@ -96,6 +103,9 @@ class Unknowns:
         for s in self.sets:
             if s.columns.start <= index < s.columns.stop:
                 return f"{s.model.parameters[index - s.columns.start]} of camera {s.id}"
+        if index >= self.orientation - len(self.further):
+            owner, name = self.further[index - self.orientation]
+            return f"{name} of {owner}"
         raise IndexError(index)
 
     def index(self, owner: str, name: str) -> int:
@@ -107,6 +117,8 @@ class Unknowns:
         for s in self.sets:
             if s.id == owner and name in s.model.parameters:
                 return int(s.columns.start + s.model.parameters.index(name))
+        if (owner, name) in self.further:
+            return self.orientation - len(self.further) + self.further.index((owner, name))
         raise KeyError(f"no unknown {name!r} of {owner!r} in this adjustment")
 
 

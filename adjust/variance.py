@@ -1,7 +1,7 @@
 """Variance components: how precise were the observations of each group really?
 
-The covariance matrix of the observations is taken as the sum of theta_i Sigma_i over the groups, Sigma_i the a priori one.
-With r the redundancy matrix in units of standard deviations, Helmert's equations say what the weighted sums of
+The covariance matrix of the observations is taken as the sum of theta_i Sigma_i over the groups, Sigma_i the a priori
+one. With r the redundancy matrix in units of standard deviations, Helmert's equations say what the weighted sums of
 squares of the groups should be (Helmert 1907; Grafarend, Schaffrin 1980; the trace form is Kubik's, the iteration
 Foerstner's, ZfV 104, 1979):
 
@@ -37,14 +37,17 @@ STEP_MOST = 10.0
 REDUNDANCY_LEAST = 1.0
 """a group of less redundancy keeps its a priori standard deviations: nothing checks it"""
 FACTOR_LEAST = 1e-4
-"""a factor that tends to 0 or below stops here: the errors of the group are too small for its redundancy to show them"""
+"""a factor that tends to 0 or below stops here: the errors of the group are too small for its redundancy to show
+them
+"""
 CONTROL = "control"
 
 
 @dataclass(frozen=True, eq=False)
 class VarianceComponents:
     """The groups by name; count of observations, redundancy, the factor of the a priori variances and its standard
-    deviation (NaN for groups that were held: at 1 without redundancy, at FACTOR_LEAST without visible errors), and the adjustment with the variances found, whose sigma0 is 1."""
+    deviation (NaN for groups that were held: at 1 without redundancy, at FACTOR_LEAST without visible errors), and the
+    adjustment with the variances found, whose sigma0 is 1."""
 
     names: tuple[str, ...]
     count: Indices
@@ -66,11 +69,17 @@ class VarianceComponents:
 
 
 def groups_by_camera(a: Adjustment) -> dict[str, Indices]:
-    """The usual groups: the image coordinates of each camera, weighted control, and each further group; rows by name."""
+    """The usual groups: the image coordinates of each camera, weighted control, and each further group; rows by
+    name.
+    """
     b = a.block
     camera = np.repeat(b.images.camera[b.observations.image], 2)
     groups = {f"images of {c.camera_id}": np.flatnonzero(camera == i) for i, c in enumerate(b.cameras)}
     groups[CONTROL] = len(camera) + np.arange(len(a.groups.control.columns))
+    start = len(camera) + len(groups[CONTROL])
+    for group in a.groups.further:
+        groups[group.name] = start + np.arange(len(group.weight))
+        start += len(group.weight)
     return {name: rows for name, rows in groups.items() if len(rows)}
 
 
@@ -101,8 +110,8 @@ def variance_components(a: Adjustment, groups: Mapping[str, Indices] | None = No
 
 
 class _Damping:
-    """Helmert's steps are too long or too short where a group has little redundancy: after a change of direction they are
-    halved, in the same direction they grow."""
+    """Helmert's steps are too long or too short where a group has little redundancy: after a change of direction they
+    are halved, in the same direction they grow."""
 
     def __init__(self, size: int) -> None:
         self.last, self.share = np.zeros(size), np.ones(size)
@@ -148,11 +157,12 @@ def _solution(helmert: Floats, squares: Floats, estimated: npt.NDArray[np.bool_]
 def _helmert(influence: Influence, label: Indices, size: int) -> tuple[Floats, Floats, Indices]:
     """H (size, size), v^T P v (size) and the number of observations (size) of every group."""
     counted = influence.rows.weight > 0.0
-    count = np.bincount(label[counted], minlength=size)
+    count: Indices = np.bincount(label[counted], minlength=size)
     squares = np.bincount(label, weights=influence.rows.standard**2, minlength=size)
     leverage = np.bincount(label, weights=influence.leverage, minlength=size)
     gram = np.array([influence.t[label == i].T @ influence.t[label == i] for i in range(size)]).reshape(size, -1)
-    return np.diag(count - 2.0 * leverage) + gram @ gram.T + _by_points(influence, label, size), squares, count
+    helmert = np.diag(count - 2.0 * leverage) + gram @ gram.T + _by_points(influence, label, size)
+    return np.asarray(helmert), np.asarray(squares, dtype=float), count
 
 
 def _by_points(influence: Influence, label: Indices, size: int) -> Floats:

@@ -38,13 +38,13 @@ def _suspects(found: Record) -> Iterator[str]:
     if suspected:
         names = _listed([each["observation"] for each in suspected])
         yield (
-            f"{_counted(len(suspected), 'observation')} suspected of a gross error: {names}. Measure again or take out, the "
-            f"worst first, and adjust again; without them sigma0 would be {found['search']['sigma0_without']:.4f}"
+            f"{_counted(len(suspected), 'observation')} suspected of a gross error: {names}. Measure again or take "
+            f"out, the worst first, and adjust again; without them sigma0 would be {found['search']['sigma0_without']:.4f}"
         )
     if found["search"]["stopped"]:
         yield (
-            "The search for gross errors was stopped before its end: that many are hardly errors of measurement. Look at the "
-            "approximate values, the camera file and the additional parameters first"
+            "The search for gross errors was stopped before its end: that many are hardly errors of measurement. Look "
+            "at the approximate values, the camera file and the additional parameters first"
         )
 
 
@@ -54,15 +54,15 @@ def _sigma0(found: Record) -> Iterator[str]:
         return
     if test["vpv"] > test["upper"]:
         yield (
-            f"sigma0 = {found['sigma0']:.3f} is larger than 1 (global test, p = {test['p']:.2g}): the observations are less precise "
-            "than stated, or errors are left in them. Look at suspected errors and at the residuals by radius; if both are "
-            f"clean, multiply the standard deviations by {found['sigma0']:.2f}"
+            f"sigma0 = {found['sigma0']:.3f} is larger than 1 (global test, p = {test['p']:.2g}): the observations are "
+            "less precise than stated, or errors are left in them. Look at suspected errors and at the residuals by "
+            f"radius; if both are clean, multiply the standard deviations by {found['sigma0']:.2f}"
         )
     else:
         yield (
-            f"sigma0 = {found['sigma0']:.3f} is smaller than 1 (global test, p = {test['p']:.2g}): the observations are more precise "
-            f"than stated. Multiply their standard deviations by {found['sigma0']:.2f}; estimates with control held fixed stay "
-            "as they are, weighted control loses weight"
+            f"sigma0 = {found['sigma0']:.3f} is smaller than 1 (global test, p = {test['p']:.2g}): the observations "
+            f"are more precise than stated. Multiply their standard deviations by {found['sigma0']:.2f}; estimates with "
+            "control held fixed stay as they are, weighted control loses weight"
         )
 
 
@@ -88,8 +88,8 @@ def _parameters(found: Record) -> Iterator[str]:
         doubtful = [each["name"] for each in tested if each["with_exterior"] > CORRELATED]
         if doubtful:
             yield (
-                f"{_listed(doubtful)} of camera {camera} can hardly be told from the exterior orientation: leave out, or fly cross "
-                "strips, oblique images or ground with more relief"
+                f"{_listed(doubtful)} of camera {camera} can hardly be told from the exterior orientation: leave out, or "
+                "fly cross strips, oblique images or ground with more relief"
             )
         idle = [each["name"] for each in tested if each["p"] > NOT_SIGNIFICANT and each["p_added"] > NOT_SIGNIFICANT]
         if idle:
@@ -97,7 +97,8 @@ def _parameters(found: Record) -> Iterator[str]:
     systematic = sorted({r["camera"] for r in found["residuals_by_radius"] if _is_systematic(r)})
     if systematic:
         yield (
-            f"Radial residuals of camera {_listed(systematic)} are systematic: take a set of additional parameters that can follow them"
+            f"Radial residuals of camera {_listed(systematic)} are systematic: take a set of additional parameters "
+            "that can follow them"
         )
 
 
@@ -117,11 +118,15 @@ def _geometry(found: Record) -> Iterator[str]:
     if weak:
         yield (
             f"{_counted(weak, 'image coordinate')} checked by less than a tenth (redundancy below 0.1), weakest "
-            f"{found['reliability']['redundancy_least_of']}: errors there stay hidden; measure these points in more images"
+            f"{found['reliability']['redundancy_least_of']}: errors there stay hidden; measure these points in more "
+            "images"
         )
     two = found["data"]["points_with_two_rays"]
     if two:
-        yield f"{_counted(two, 'point')} measured in two images only: an error along the base cannot be seen; measure in a third"
+        yield (
+            f"{_counted(two, 'point')} measured in two images only: an error along the base cannot be seen; measure "
+            "in a third"
+        )
     few = [each["image"] for each in found["residuals_by_image"] if each["n"] < FEW_POINTS]
     if few:
         yield f"Fewer than {FEW_POINTS} points in {_listed(few)}: their orientation is weak; measure more"

@@ -27,9 +27,10 @@ class BackendError(RuntimeError):
 
 @dataclass(frozen=True)
 class Broken:
-    """These blocks were under way when a worker died or a time limit passed."""
+    """These blocks were under way when a worker died or a time limit passed; fate is "crashed" or "timeout"."""
 
     tasks: tuple[BlockTask, ...]
+    fate: str = "crashed"
 
 
 def task_limit_s(task: BlockTask, trial_limit_s: float) -> float:

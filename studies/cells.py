@@ -29,7 +29,8 @@ class Cell:
     """The trials of a cell: status (n), deviations and tracked estimates of those that converged, and the nominal side.
 
     names are the tracked unknowns; error (m, q) are estimate - estimand and std (m, q) the claimed standard errors of
-    the m trials that converged, kept (n) says which these are; formal (q, q) are the formal correlations.
+    the m trials that converged, estimand (q), kept (n) says which trials these are; formal (q, q) are the formal
+    correlations.
     """
 
     status: npt.NDArray[np.int8]
@@ -39,6 +40,7 @@ class Cell:
     error: Floats
     std: Floats
     formal: Floats
+    estimand: Floats
     constants: Mapping[str, float]
 
     @classmethod
@@ -48,17 +50,17 @@ class Cell:
         fixed = {name.removeprefix(key + BEFORE): v for name, v in nominal.items() if name.startswith(key + BEFORE)}
         status = own.pop("status", np.zeros(0, dtype=np.int8))
         kept = status == CONVERGED
-        constants = dict(zip(CONSTANTS, fixed.pop("constants", np.full(3, np.nan)).tolist(), strict=False))
+        constants = dict(zip(CONSTANTS, fixed.pop("constants", np.full(len(CONSTANTS), np.nan)).tolist(), strict=False))
         if "m0_um" not in own:  # no trial of this cell could be adjusted
             none: Floats = np.empty((0, 0))
-            return cls(status, kept, {d: np.empty(0) for d in DEVIATIONS}, (), none, none, none, constants)
+            return cls(status, kept, {d: np.empty(0) for d in DEVIATIONS}, (), none, none, none, np.empty(0), constants)
         names = tuple(name for name in own if name not in DEVIATIONS)
         table = np.array([fixed[name] for name in names]).reshape(len(names), -1)
         estimand, s, formal = table[:, 0], table[:, 1], table[:, 2 : 2 + len(names)]
         estimates = np.array([own[name][kept] for name in names]).reshape(len(names), -1).T
         sigma0 = own["m0_um"][kept] / constants["unit_weight_um"]
         deviations = {name: own[name][kept] for name in DEVIATIONS}
-        return cls(status, kept, deviations, names, estimates - estimand, sigma0[:, None] * s, formal, constants)
+        return cls(status, kept, deviations, names, estimates - estimand, sigma0[:, None] * s, formal, estimand, constants)
 
     @property
     def failures(self) -> int:
@@ -83,6 +85,7 @@ def measured(cell: Cell) -> dict[str, Measured]:
         form = performance.share_coverage if name.startswith("coverage") else performance.mean
         if name in ("m0_um", "mean_z_mm") or np.isfinite(values).any() or not len(values):
             found[name] = form(values[:, None])
+    found |= {name: performance.mean(values[:, None]) for name, values in _choice(cell).items()}
     if cell.names and len(cell.error):
         tables = {
             "bias": performance.bias(cell.error),
@@ -96,6 +99,28 @@ def measured(cell: Cell) -> dict[str, Measured]:
             for measure, table in tables.items():
                 found[f"{measure} {name}"] = _column(table, number)
     return found
+
+
+def _choice(cell: Cell) -> dict[str, Floats]:
+    """What one chooses a set of additional parameters by: by name, a value (m) for each trial.
+
+    aic and bic as in adjust.model_choice; significant, the number of parameters whose 95 % interval does not contain 0,
+    of parameters; the other two belong to the noise-free adjustment.
+    """
+    if not len(cell.error) or "observations" not in cell.constants:
+        return {}
+    n, redundancy = cell.constants["observations"], cell.constants["redundancy"]
+    unknowns = n - redundancy
+    fit = n * np.log((cell.deviations["m0_um"] / cell.constants["unit_weight_um"]) ** 2 * redundancy / n)
+    own = [number for number, name in enumerate(cell.names) if _is_parameter(name)]
+    t = stdtrit(redundancy, 0.5 + CONFIDENCE / 2.0)
+    found = {"aic": fit + 2.0 * unknowns, "bic": fit + unknowns * np.log(n)}
+    if own:
+        estimate = cell.error[:, own] + cell.estimand[own]
+        found["parameters"] = np.full(len(fit), float(len(own)))
+        found["significant"] = np.sum(np.abs(estimate) > t * cell.std[:, own], axis=1).astype(float)
+        found["largest_ap_exterior"] = np.full(len(fit), cell.constants["largest_ap_exterior"])
+    return {**found, "condition_number": np.full(len(fit), cell.constants["condition_number"])}
 
 
 def correlated(cell: Cell, least: float) -> dict[str, tuple[float, Measured]]:

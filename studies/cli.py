@@ -89,14 +89,19 @@ def doctor() -> None:
 @click.option(
     "--seed", type=click.IntRange(0), default=DEFAULT_SEED, show_default=True, help="Seed of all that is random."
 )
-def reproduce(what: str, out: Path | None, trials: int, jobs: int | None, seed: int) -> None:
+@click.option("--world", type=click.Choice(["twin"]), help="Fit worlds in which the published table of 1980 happens.")
+def reproduce(what: str, out: Path | None, trials: int, jobs: int | None, seed: int, world: str | None) -> None:
     """Fly and adjust a published experiment; write its tables and figures beside the published ones."""
-    if what == "ziemann-1982":
+    if world == "twin" and what != "mauelshagen-1980":
+        raise click.UsageError("--world twin belongs to mauelshagen-1980")
+    if world == "twin":
+        from studies import twin_1980 as experiment  # type: ignore[no-redef]
+    elif what == "ziemann-1982":
         from studies import reproduce_1982 as experiment
     else:
         from studies import reproduce_1980 as experiment  # type: ignore[no-redef]
 
-    folder = out if out is not None else Path("results") / what
+    folder = out if out is not None else Path("results") / (f"{what}-{world}" if world else what)
     try:
         done = experiment.reproduce(folder, trials=trials, jobs=jobs, seed=seed)
     except experiment.ReproductionError as error:
@@ -126,7 +131,7 @@ def reproduce(what: str, out: Path | None, trials: int, jobs: int | None, seed: 
     type=click.Choice(["control", "minimum", "inner"]),
     default="control",
     show_default=True,
-    help="What ties the block to its frame: its control, seven coordinates of it, or inner constraints (a free network).",
+    help="What ties the block to its frame: its control, seven coordinates, or inner constraints (a free network).",
 )
 def adjust(
     folder: Path, model_id: str, settings: tuple[str, ...], json_path: str | None, out: Path | None, datum: str

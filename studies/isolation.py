@@ -7,6 +7,7 @@ end, are returned with their fate; the block is then computed without them.
 from __future__ import annotations
 
 import contextlib
+import functools
 import multiprocessing
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
@@ -27,11 +28,7 @@ def compute_alone(task: BlockTask, work: Work, attempt: Try, trial_limit_s: floa
     """
     if _in_process(work, task, task_limit_s(task, trial_limit_s)) is None:
         return {}
-    lost: dict[int, str] = {}
-    for lane in range(task.first, task.stop, LANES):
-        part = replace(task, first=lane, stop=min(lane + LANES, task.stop))
-        if _in_process(attempt, part, task_limit_s(part, trial_limit_s)) is not None:
-            lost |= _culprits(part, attempt, trial_limit_s)
+    lost = _culprits(task, attempt, trial_limit_s)
     fate = _in_process(work, replace(task, lost={**task.lost, **lost}), task_limit_s(task, trial_limit_s))
     if fate is not None:
         lost = dict.fromkeys(range(task.first, task.stop), fate)
@@ -53,20 +50,34 @@ def in_order(tasks: Sequence[BlockTask], work: Work, trial_limit_s: float) -> It
                 if isinstance(answer, Exception):
                     raise answer
                 task = left.pop(0)
-                yield Broken((task,)) if isinstance(answer, str) else answer
+                yield Broken((task,), answer) if isinstance(answer, str) else answer
                 if isinstance(answer, str):
                     break
 
 
-def _culprits(part: BlockTask, attempt: Try, trial_limit_s: float) -> dict[int, str]:
-    """Every trial of a part alone, in a process of its own."""
-    found = {}
-    for trial in range(part.first, part.stop):
-        if trial not in part.lost:
-            fate = _in_process(attempt, replace(part, first=trial, stop=trial + 1), trial_limit_s)
-            if fate is not None:
-                found[trial] = fate
-    return found
+def _culprits(task: BlockTask, attempt: Try, trial_limit_s: float) -> dict[int, str]:
+    """The trials that bring a process down or do not end: lanes that do, and in these every trial alone."""
+    lanes = [
+        replace(task, first=first, stop=min(first + LANES, task.stop)) for first in range(task.first, task.stop, LANES)
+    ]
+    suspects = [part for broken in _broken(lanes, attempt, trial_limit_s) for part in broken.tasks]
+    trials = [
+        replace(part, first=trial, stop=trial + 1)
+        for part in suspects
+        for trial in range(part.first, part.stop)
+        if trial not in part.lost
+    ]
+    return {broken.tasks[0].first: broken.fate for broken in _broken(trials, attempt, trial_limit_s)}
+
+
+def _broken(parts: Sequence[BlockTask], attempt: Try, trial_limit_s: float) -> list[Broken]:
+    tried = in_order(parts, functools.partial(_tried, attempt), trial_limit_s)
+    return [answer for answer in tried if isinstance(answer, Broken)]
+
+
+def _tried(attempt: Try, part: BlockTask) -> int:
+    attempt(part)
+    return len(part)
 
 
 def _in_process(work: Callable[[BlockTask], object], task: BlockTask, limit_s: float) -> str | None:

@@ -137,7 +137,9 @@ def groups(findings: Findings) -> list[Record]:
 
 
 def reliability(findings: Findings) -> Record:
-    """The reliability of the image coordinates in a few numbers, and of the points: the worst effect of a hidden error."""
+    """The reliability of the image coordinates in a few numbers, and of the points: the worst effect of a hidden
+    error.
+    """
     found, a = findings.reliability, findings.adjustment
     rows = found.image_points
     r, mdb = found.redundancy[rows], found.mdb[rows]
@@ -191,7 +193,9 @@ def residuals_by_image(a: Adjustment) -> list[Record]:
 
 
 def residuals_by_radius(a: Adjustment) -> list[Record]:
-    """Of every camera and ring about its principal point: number, mean and rms of radial and tangential residuals, um."""
+    """Of every camera and ring about its principal point: number, mean and rms of radial and tangential residuals,
+    um.
+    """
     b, found = a.block, []
     camera = b.images.camera[b.observations.image]
     for i, c in enumerate(b.cameras):

@@ -31,7 +31,9 @@ OBSERVATIONS = (
     "mdb_y_mm",
 )
 FULL_MOST = 1500
-"""orientation unknowns up to which the matrix of correlations is written in full; beyond, that of the parameters alone"""
+"""orientation unknowns up to which the matrix of correlations is written in full; beyond, that of the parameters
+alone
+"""
 
 
 def write(a: Adjustment, folder: Path) -> list[Path]:
@@ -65,7 +67,9 @@ def observations_csv(a: Adjustment) -> str:
 
 
 def correlations_csv(a: Adjustment) -> str:
-    """The correlations of all orientation unknowns as a square table; of a large block those of the parameters alone."""
+    """The correlations of all orientation unknowns as a square table; of a large block those of the parameters
+    alone.
+    """
     names = [f"{each['owner']} {each['name']}" for each in orientation_names(a)]
     start = 0 if len(names) <= FULL_MOST else 6 * len(a.block.images)
     at = np.arange(start, len(names))

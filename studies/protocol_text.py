@@ -1,4 +1,6 @@
-"""The protocol as a page of text, from the figures of studies.protocol. Lengths in metres, angles in degrees, images in um."""
+"""The protocol as a page of text, from the figures of studies.protocol. Lengths in metres, angles in degrees, images
+in um.
+"""
 
 from __future__ import annotations
 
@@ -78,7 +80,7 @@ def _datum(found: Record) -> Iterator[str]:
     datum = found["datum"]
     yield from _wrapped(f"by {datum['by']} over {len(datum['points'])} points: {', '.join(datum['points'])}", "", "  ")
     if datum["rank_defect"]:
-        yield f"rank defect {datum['rank_defect']}: shift, rotation and scale of the whole block, taken up by the constraints"
+        yield f"rank defect {datum['rank_defect']}: shift, rotation and scale of the block, taken up by the constraints"
         return
     for kind in ("fixed", "weighted"):
         yield f"{kind:<8} coordinates: " + ", ".join(f"{n} {axis}" for axis, n in datum[kind].items())
@@ -87,7 +89,8 @@ def _datum(found: Record) -> Iterator[str]:
 def _adjustment(found: Record) -> Iterator[str]:
     test = found["global_test"]
     yield f"{found['observations']} observations, {found['unknowns']} unknowns, redundancy {found['redundancy']}"
-    yield f"sigma0 {found['sigma0']:.4f}, m0 {found['m0_um']:.2f} um, {found['message']} after {found['iterations']} iterations"
+    yield f"sigma0 {found['sigma0']:.4f}, m0 {found['m0_um']:.2f} um"
+    yield f"{found['message']} after {found['iterations']} iterations"
     yield (
         f"global test at {test['alpha']:.0%}: vPv = {test['vpv']:.1f} in {test['lower']:.1f} .. {test['upper']:.1f}: "
         f"{STATUS[test['passed']]} (p = {test['p']:.2g})"
@@ -141,21 +144,26 @@ def _parameters(found: Record) -> Iterator[str]:
 
 def _reliability(found: Record) -> Iterator[str]:
     r = found["reliability"]
-    yield f"level {r['alpha']:.1%}, power {r['power']:.0%}, delta0 {r['delta0']:.2f}, critical w {r['w_critical']:.2f}, tau {r['tau_critical']:.2f}"
-    yield f"redundancy numbers: mean {r['redundancy_mean']:.3f}, least {r['redundancy_least']:.3f} ({r['redundancy_least_of']})"
+    critical = f"critical w {r['w_critical']:.2f}, tau {r['tau_critical']:.2f}"
+    yield f"level {r['alpha']:.1%}, power {r['power']:.0%}, delta0 {r['delta0']:.2f}, {critical}"
+    yield f"redundancy numbers: mean {r['redundancy_mean']:.3f}"
+    yield f"least {r['redundancy_least']:.3f}: {r['redundancy_least_of']}"
     yield f"{r['below_0.1']} below 0.1, {r['below_0.3']} below 0.3"
-    yield f"minimal detectable bias: median {_number(r['mdb_median_um'], '.1f')} um, most {_number(r['mdb_most_um'], '.1f')} um"
+    median, most = (_number(r[f"mdb_{which}_um"], ".1f") for which in ("median", "most"))
+    yield f"minimal detectable bias: median {median} um, most {most} um"
     yield (
         f"a hidden bias moves no unknown by more than (in its a priori standard deviations): median "
         f"{_number(r['external_median'], '.2f')}, most {_number(r['external_most'], '.2f')}"
     )
-    yield f"{r['w_above_critical']} observations above the critical w, {r['w_above_critical_expected']:.1f} expected if all is well"
+    expected = f"{r['w_above_critical_expected']:.1f} expected if all is well"
+    yield f"{r['w_above_critical']} observations above the critical w, {expected}"
     yield "every observation: observations.csv"
 
 
 def _suspected(found: Record) -> Iterator[str]:
     search = found["search"]
-    yield f"iterative data snooping, tau test, {search['level_of_all']:.0%} for all tests together, critical {search['critical']:.2f}"
+    level = f"{search['level_of_all']:.0%} for all tests together"
+    yield f"iterative data snooping, tau test, {level}, critical {search['critical']:.2f}"
     if not found["suspected"]:
         yield "none"
         return

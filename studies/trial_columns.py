@@ -45,7 +45,12 @@ LOST = {"crashed": CRASHED, "timeout": TIMEOUT, "undrawn": UNDRAWN}
 DEVIATIONS = ("m0_um", "mu_xy_mm", "mu_z_mm", "true_xy_mm", "true_z_mm", "mean_z_mm", "coverage_xy", "coverage_z")
 """per trial: m0; 2-D and height rms at check points against their given coordinates; the same against the truth at all
 points but control; the mean height error; the shares of true coordinates inside their 95 % intervals"""
-CONSTANTS = ("redundancy", "unit_weight_um", "noise_free_m0_um")
+CONSTANTS = (
+    *("redundancy", "unit_weight_um", "noise_free_m0_um"),
+    *("observations", "condition_number", "largest_ap_exterior"),
+)
+"""of the nominal adjustment; the condition number is that of the reduced normal equations, scaled; largest_ap_exterior
+the largest |correlation| of an additional parameter with an element of exterior orientation, NaN without parameters"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,12 +110,23 @@ def nominal_columns(nominal: Adjustment, part: Part) -> dict[str, Floats]:
     tracked = Tracked.of(nominal, part)
     q = nominal.cofactors.block(tracked.at, tracked.at)
     s, formal = np.sqrt(np.diag(q)), correlations(q)
-    found: dict[str, Floats] = {
-        "constants": np.array([nominal.redundancy, nominal.unit_weight_um, nominal.m0_um], dtype=float)
-    }
+    condition_number = 1.0 / nominal.cofactors.factor.condition
+    constants = (nominal.redundancy, nominal.unit_weight_um, nominal.m0_um)
+    more = (nominal.observations, condition_number, _largest_with_exterior(nominal))
+    found: dict[str, Floats] = {"constants": np.array([*constants, *more], dtype=float)}
     for number, name in enumerate(tracked.names):
         found[name] = np.concatenate([[tracked.estimand[number], s[number]], formal[number]])
     return found
+
+
+def _largest_with_exterior(nominal: Adjustment) -> float:
+    exterior = np.arange(6 * len(nominal.block.images))
+    ap = np.arange(len(exterior), nominal.layout.orientation)
+    if not len(ap):
+        return float("nan")
+    std = np.sqrt(nominal.cofactors.diagonal)
+    r = nominal.cofactors.block(exterior, ap) / std[exterior, None] / std[ap]
+    return float(np.abs(r).max())
 
 
 def trial_columns(replicates: Replicates, part: Part, given: Floats) -> dict[str, npt.NDArray[np.generic]]:

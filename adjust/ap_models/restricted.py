@@ -55,26 +55,6 @@ class Restricted(ApModel):
         d, by_values = self.model.evaluate(x, y, everything)
         return d, by_values[:, :, kept]
 
-    @property
-    def linear(self) -> bool:
-        return self.model.linear
-
-    @property
-    def principal_distance(self) -> str:
-        name = self.model.principal_distance
-        return name if name in self.keep else ""
-
-    @property
-    def why_not_estimable(self) -> Mapping[str, str]:
-        return {name: why for name, why in self.model.why_not_estimable.items() if name in self.keep}
-
-    def evaluate(self, x: Floats, y: Floats, values: Floats) -> tuple[Floats, Floats]:
-        at = [i for i, name in enumerate(self.model.parameters) if name in self.keep]
-        everything = np.zeros(len(self.model.parameters))
-        everything[at] = values
-        d, derivatives = self.model.evaluate(x, y, everything)
-        return d, derivatives[:, :, at]
-
     def terms(self, x: Floats, y: Floats) -> Sequence[Term]:
         everything = zip(self.model.parameters, self.model.terms(x, y), strict=True)
         return [term for name, term in everything if name in self.keep]

@@ -32,12 +32,12 @@ SETS: Mapping[str, str] = {
 """the paper's letters; set a is not known, its page is not at hand"""
 OTHERS = ("optical", "torlegard", "brown14", "gruen44", "brown1976", "jacobsen12", "legendre", "fourier", "chebyshev", "zernike")
 """sets of the catalogue that the paper does not have"""
-NOT_ESTIMABLE = {"brown1976": ("a19", "a20", "a21")}
+LEFT_OUT = {"brown1976": ("a19", "a20", "a21")}
 
 
 def model_of(name: str) -> ApModel:
-    """The set by its id, without the parameters that these blocks cannot determine."""
-    left_out = NOT_ESTIMABLE.get(name)
+    """The set by its id, brown1976 without its interior orientation."""
+    left_out = LEFT_OUT.get(name)
     return ap_models.get(name, without=left_out) if left_out else ap_models.get(name)
 
 

@@ -91,7 +91,7 @@ def without_system(part: Part, xy: Floats, given: Floats) -> Floats:
 
 
 def residuals(found: Replicates, xy: Floats, trial: int) -> Floats:
-    """(k, 2) mm: the corrections v of one trial in the order of the block."""
+    """(k, 2) mm: the corrections v of one trial without additional parameters, in the order of the block."""
     points = found.nominal.groups.image_points
     v, _ = replace(points, xy=xy[points.order]).residuals(found.trials.x[trial])
     ordered = np.empty_like(v)

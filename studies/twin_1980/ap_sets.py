@@ -8,6 +8,7 @@ distribution if the coarser choice is true (Koch 1999, Parameter estimation, sec
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from itertools import pairwise
 from typing import Literal
 
 import numpy as np
@@ -45,13 +46,13 @@ def f_test(coarse: Adjustment, fine: Adjustment) -> tuple[float, int, float]:
     return float(f), more, float(stats.f.sf(f, more, fine.redundancy))
 
 
-def tests(worlds: Sequence[World], seed: int) -> pd.DataFrame:
+def tests(worlds: Sequence[World]) -> pd.DataFrame:
     """One line for each world, model and step from coarse to fine: the share of significant tests in TRIALS trials."""
     lines = []
     for world in worlds:
         for model in SECTIONS:
             trials = [_steps(*world.observe(trial), model) for trial in range(TRIALS)]
-            for step, (coarse, fine) in enumerate(zip(CHOICES, CHOICES[1:], strict=False)):
+            for step, (coarse, fine) in enumerate(pairwise(CHOICES)):
                 done = np.array([trial[step] for trial in trials if trial[step] is not None], dtype=float)
                 lines.append(
                     {
@@ -75,5 +76,5 @@ def _steps(block: Block, truth: Truth, model: str) -> list[tuple[float, int, flo
     }
     return [
         f_test(by[coarse], by[fine]) if by[coarse].status.ok and by[fine].status.ok else None
-        for coarse, fine in zip(CHOICES, CHOICES[1:], strict=False)
+        for coarse, fine in pairwise(CHOICES)
     ]

@@ -47,9 +47,7 @@ def all_components() -> tuple[Component, ...]:
     """Everything that the twin may be made of."""
     noise = [Component("noise", camera) for camera in CAMERAS]
     affinity = [Component("film", camera, "affinity", "camera") for camera in CAMERAS]
-    film = [
-        Component("film", camera, terms, per) for camera in CAMERAS for terms in DEFORMATIONS for per in LEVELS
-    ]
+    film = [Component("film", camera, terms, per) for camera in CAMERAS for terms in DEFORMATIONS for per in LEVELS]
     return (*noise, *affinity, *film, Component("geodetic"))
 
 
@@ -81,7 +79,7 @@ def _rows_by_owner(world: World, component: Component) -> list[Indices]:
 
 
 def scenario_with(base: Scenario, name: str, sizes: Sequence[tuple[Component, float]]) -> Scenario:
-    """The scenario with these components in place of its own noise and film; its lenses stay, its constant film deformation goes."""
+    """The scenario with these components in place of its own noise and film, constant film included; lenses stay."""
     noise = {c.camera: size for c, size in sizes if c.kind == "noise"}
     survey = next((size for c, size in sizes if c.kind == "geodetic"), 0.0)
     terms: Any

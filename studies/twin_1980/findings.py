@@ -82,7 +82,8 @@ def compute(trials: int, jobs: int | None, seed: int) -> Findings:
             tables = [table1.table1(experiment, table) for table in flown]
             twins[reading] = Twin(reading, fitted, refits, still, random_scenario, fixed_scenario, *tables)
     with threadpool_limits(1):
-        tested = ap_sets.tests([build_world(twins["2-D"].random_scenario, seed), base], seed)
+        shown = (twins["2-D"].random_scenario, twins["2-D"].fixed_scenario)
+        tested = ap_sets.tests([*(build_world(s, seed) for s in shown), base])
     return Findings(trials, components, expected, twins, tested, failures)
 
 
@@ -119,8 +120,7 @@ def _fixed_scenario(base: World, still: fixed.FixedWorld, reading: str) -> Scena
         )
     )
     plain = scenario_with(base.scenario, f"twin, fixed, {reading}", sizes)
-    lenses = tuple(on for on in plain.effects if not on.effect.__class__.__name__.startswith("Film"))
-    return replace(plain, effects=lenses + fixed.effects_of(still, base))
+    return replace(plain, effects=plain.effects + fixed.effects_of(still, base))
 
 
 def _flown(

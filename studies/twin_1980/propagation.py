@@ -128,7 +128,11 @@ class LinearRow:
 
 def expected_squares(rows: Sequence[LinearRow], components: Sequence[Component]) -> Floats:
     """(3 rows, components): the expected square of every published figure per unit variance of every component."""
-    return np.array([[row.expected(c) for c in components] for row in rows]).transpose(0, 2, 1).reshape(-1, len(components))
+    return (
+        np.array([[row.expected(c) for c in components] for row in rows])
+        .transpose(0, 2, 1)
+        .reshape(-1, len(components))
+    )
 
 
 def _design(a: Adjustment) -> tuple[Floats, Floats]:

@@ -19,12 +19,12 @@ class DenseNormals:
 
 
 def design(observations: Observations, x: Floats) -> tuple[Floats, Floats, Floats]:
-    """A (q, size), v (q) and the weights (q): image coordinates first, then weighted control."""
+    """A (q, size), v (q) and the weights (q): image coordinates first, then weighted control, then further groups."""
     group, control = observations.image_points, observations.control
     u = group.unknowns
     at = group.jacobian(x)
     rows = 2 * len(group.image)
-    a = np.zeros((rows + len(control.columns), len(x)))
+    a = np.zeros((observations.rows, len(x)))
     for i, (image, point) in enumerate(zip(group.image, group.point, strict=True)):
         ap = u.sets[u.image_set[image]].columns
         two = slice(2 * i, 2 * i + 2)
@@ -33,8 +33,18 @@ def design(observations: Observations, x: Floats) -> tuple[Floats, Floats, Float
         a[two, u.orientation + 3 * point : u.orientation + 3 * point + 3] = at.by_point[i]
     for i, column in enumerate(control.columns):
         a[rows + i, column] = 1.0
-    v = np.concatenate([at.v.ravel(), control.residuals(x)])
-    return a, v, np.concatenate([group.weight.ravel(), control.weight])
+    v = [at.v.ravel(), control.residuals(x)]
+    weight = [group.weight.ravel(), control.weight]
+    start = rows + len(control.columns)
+    for further in observations.further:
+        linear = further.at(x)
+        for row, (columns, values) in enumerate(zip(linear.columns, linear.values, strict=True), start=start):
+            for column, value in zip(columns, values, strict=True):
+                a[row, column] += value
+        v.append(linear.v)
+        weight.append(further.weight)
+        start += len(linear.v)
+    return a, np.concatenate(v), np.concatenate(weight)
 
 
 def solve(observations: Observations, x: Floats) -> DenseNormals:

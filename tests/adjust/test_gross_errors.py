@@ -205,7 +205,9 @@ class TestRobust:
 
 
 def test_masking_of_one_error_by_another(noisy: synthetic.World) -> None:
-    """Errors of the same size in all rays but two of a point: what one round would accuse wrongly, the search puts right."""
+    """Errors of the same size in all rays but two of a point: what one round would accuse wrongly, the search puts
+    right.
+    """
     row = {(k, 1): 30.0 for k in (5, 40)}
     found = snoop(adjust_block(spoiled(noisy, row).block, ap_models.get("torlegard")), 0.0001)
     assert {each.row for each in found.accused} == {11, 81}

@@ -112,7 +112,9 @@ def test_correlation_of_tests(found: Reliability, textbook: Textbook) -> None:
 
 
 def test_a_residual_is_minus_its_share_of_the_error(ww_world: synthetic.World) -> None:
-    """A small error planted in one observation of an error-free block comes back as -r times itself, nonlinearly too."""
+    """A small error planted in one observation of an error-free block comes back as -r times itself, nonlinearly
+    too.
+    """
     o = ww_world.block.observations
     xy = o.xy.copy()
     xy[40, 1] += 1e-4

@@ -33,8 +33,8 @@ def noise(block: Block, trials: int, rng: np.random.Generator) -> Floats:
 
 @dataclass(frozen=True, eq=False)
 class Repeated:
-    """Trials of one geometry: the corrections of all observations in standard deviations (t, n), sigma0 (t), x (t, size),
-    and the reliability of the block without errors."""
+    """Trials of one geometry: the corrections of all observations in standard deviations (t, n), sigma0 (t), x (t,
+    size), and the reliability of the block without errors."""
 
     reliability: Reliability
     standard: Floats
@@ -79,7 +79,9 @@ def repeat(block: Block, model: ApModel, image_points: Floats) -> Repeated:
 
 
 def assert_rate(rejected: Floats, level: float | Floats) -> None:
-    """The mean over trials and tests of rejected (t, ...) is `level` within three standard errors; trials are the sample."""
+    """The mean over trials and tests of rejected (t, ...) is `level` within three standard errors; trials are the
+    sample.
+    """
     expected = np.broadcast_to(level, rejected.shape[1:]).mean() if rejected.ndim > 1 else float(np.mean(level))
     share = rejected.reshape(len(rejected), -1).mean(axis=1)
     binomial = np.sqrt(expected * (1.0 - expected) / rejected.size)

@@ -109,7 +109,9 @@ def test_the_detectable_bias_is_found_as_often_as_promised(small: Repeated) -> N
 
 @pytest.mark.slow
 def test_variance_components_are_unbiased(two_camera_world: synthetic.World) -> None:
-    """Two cameras of 0.7 and 1.5 times the stated noise: the factors of the variances, and their standard deviations."""
+    """Two cameras of 0.7 and 1.5 times the stated noise: the factors of the variances, and their standard
+    deviations.
+    """
     trials = 200
     factor, std = [], []
     for seed in range(trials):

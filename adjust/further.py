@@ -1,0 +1,117 @@
+"""Further observations, beside image points and control: what a group of them must say, and how it enters the normals.
+
+A group is a value a user makes, such as adjust.stations.StationPositions. Bound to the layout of a block it gives
+corrections v = f(x) - observed, weights, and a few derivatives a row. All of them belong to orientation unknowns
+(exterior orientation, additional parameters, and unknowns that the group brings along), so that eliminating the points
+stays as it is.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from adjust.unknowns import Unknowns
+from simfield.block import Block, Floats, Indices
+
+Name = tuple[str, str]
+
+
+@dataclass(frozen=True, eq=False)
+class Linear:
+    """q observations at some x: v (q), and derivatives values (q, c) by the unknowns columns (q, c); 0 fills up."""
+
+    v: Floats
+    columns: Indices
+    values: Floats
+
+
+class Bound(Protocol):
+    """A group of q observations, bound to the layout of a block."""
+
+    @property
+    def name(self) -> str: ...
+
+    @property
+    def weight(self) -> Floats:
+        """(q)."""
+
+    @property
+    def given(self) -> Floats:
+        """(q) the observed values."""
+
+    @property
+    def labels(self) -> tuple[str, ...]:
+        """(q) each observation in words."""
+
+    def at(self, x: Floats) -> Linear: ...
+
+    def with_weight(self, weight: Floats, /) -> Bound: ...
+
+
+class Group(Protocol):
+    """A group as a user states it."""
+
+    @property
+    def ties_datum(self) -> bool:
+        """Whether it says where the block is, so that a free network is no longer free."""
+
+    def unknowns(self, block: Block) -> tuple[Name, ...]:
+        """The unknowns (owner, name) that the group brings along. Raises ValueError for what is not in the block."""
+
+    def bind(self, layout: Unknowns) -> Bound: ...
+
+
+def unknowns_of(groups: Sequence[Group], block: Block) -> tuple[Name, ...]:
+    """The unknowns of all groups. Raises ValueError where two have the same name."""
+    names = tuple(name for group in groups for name in group.unknowns(block))
+    if len(set(names)) < len(names):
+        twice = next(name for name in names if names.count(name) > 1)
+        raise ValueError(f"two groups of observations have an unknown {twice[1]} of {twice[0]}; name one of them")
+    return names
+
+
+def vpv(groups: Sequence[Bound], x: Floats) -> float:
+    return float(sum(np.sum(group.weight * group.at(x).v ** 2) for group in groups))
+
+
+def add_gradient(groups: Sequence[Bound], x: Floats, gradient: Floats) -> float:
+    """Add A^T P v to the gradient of the orientation unknowns (E); returns vPv."""
+    total = 0.0
+    for group in groups:
+        at = group.at(x)
+        np.add.at(gradient, at.columns, (group.weight * at.v)[:, None] * at.values)
+        total += float(np.sum(group.weight * at.v**2))
+    return total
+
+
+def add_dense(groups: Sequence[Bound], x: Floats, ee: Floats) -> None:
+    """Add A^T P A to the normal equations of the orientation unknowns (E, E)."""
+    for group in groups:
+        at = group.at(x)
+        products = group.weight[:, None, None] * at.values[:, :, None] * at.values[:, None, :]
+        np.add.at(ee, (at.columns[:, :, None], at.columns[:, None, :]), products)
+
+
+def add_blocks(groups: Sequence[Bound], x: Floats, ee: Floats, ea: Floats, aa: Floats) -> None:
+    """Add A^T P A to ee (m, 6, 6) lower triangles, ea (m, 6, A) and aa (A, A), as adjust.compiled_normals keeps them.
+
+    An observation may touch one image only.
+    """
+    images = 6 * len(ee)
+    for group in groups:
+        at = group.at(x)
+        products = group.weight[:, None, None] * at.values[:, :, None] * at.values[:, None, :]
+        i = np.broadcast_to(at.columns[:, :, None], products.shape)
+        j = np.broadcast_to(at.columns[:, None, :], products.shape)
+        used = products != 0.0
+        inside = used & (i < images) & (j <= i)
+        assert (i[inside] // 6 == j[inside] // 6).all(), f"{group.name}: an observation touches two images"
+        np.add.at(ee, (i[inside] // 6, i[inside] % 6, j[inside] % 6), products[inside])
+        across = used & (i < images) & (j >= images)
+        np.add.at(ea, (i[across] // 6, i[across] % 6, j[across] - images), products[across])
+        border = used & (i >= images) & (j >= images)
+        np.add.at(aa, (i[border] - images, j[border] - images), products[border])

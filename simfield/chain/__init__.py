@@ -1,0 +1,24 @@
+"""From light to number: air, lens, film, marks and comparator, stage by stage, each to be switched off."""
+
+from simfield.chain.film import RandomField
+from simfield.chain.lens import Lens, RadialCertificate
+from simfield.chain.machine import Comparator, Errors, Marks
+from simfield.chain.measure import Chain, Prepared, prepare
+from simfield.chain.presets import chains
+from simfield.chain.raw import Raw, read_raw, write_raw
+
+__all__ = [
+    "Chain",
+    "Comparator",
+    "Errors",
+    "Lens",
+    "Marks",
+    "Prepared",
+    "RadialCertificate",
+    "RandomField",
+    "Raw",
+    "chains",
+    "prepare",
+    "read_raw",
+    "write_raw",
+]

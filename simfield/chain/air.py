@@ -1,0 +1,37 @@
+"""Refraction and earth curvature, image by image with its own flying height; effects are those of simfield.effects."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from simfield.block import Floats, Indices
+from simfield.distortion import measured_from_ideal
+from simfield.effects import EarthCurvature, Refraction
+
+
+@dataclass(frozen=True)
+class Air:
+    """Which of the two the field has; altimeter_sigma_m is the error of the flying height that the surveyor is told.
+
+    Source: Bertram's form of the ARDC atmosphere, and the sphere of 6371 km.
+    """
+
+    refraction: bool = False
+    curvature: bool = False
+    altimeter_sigma_m: float = 0.0
+
+
+def through_air(air: Air, ideal: Floats, image: Indices, heights_m: Floats, ground_m: float, c_mm: Floats) -> Floats:
+    """(k, 2) mm: ideal points (k, 2) in the images (k) after curvature, then refraction; heights and c (m)."""
+    xy = np.array(ideal)
+    for i in range(len(heights_m)):
+        own = image == i
+        if air.curvature:
+            curvature = EarthCurvature(float(heights_m[i]) - ground_m, float(c_mm[i]))
+            xy[own] = measured_from_ideal(xy[own], curvature.displacement)
+        if air.refraction:
+            refraction = Refraction(float(heights_m[i]), ground_m, float(c_mm[i]))
+            xy[own] = measured_from_ideal(xy[own], refraction.displacement)
+    return xy
