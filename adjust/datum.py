@@ -183,7 +183,7 @@ class FreeCofactors(Cofactors):
         return np.asarray(self.minimum.orientation + across + across.T)
 
     @cached_property
-    def points(self) -> Floats:  # type: ignore[override]
+    def points(self) -> Floats:
         start = self.unknowns.orientation
         motions = self.motions[start:].reshape(-1, 3, MOTIONS)
         across = motions @ self._half[:, start:].T.reshape(-1, 3, MOTIONS).transpose(0, 2, 1)
@@ -192,7 +192,7 @@ class FreeCofactors(Cofactors):
     @cached_property
     def diagonal(self) -> Floats:
         across = np.einsum("rk,kr->r", self.motions, self._half)
-        return np.maximum(self.minimum.diagonal + 2.0 * across, 0.0)
+        return np.asarray(np.maximum(self.minimum.diagonal + 2.0 * across, 0.0))
 
     def block(self, rows: Indices, columns: Indices) -> Floats:
         across = self.motions[rows] @ self._half[:, columns]

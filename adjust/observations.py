@@ -12,8 +12,8 @@ from itertools import pairwise
 
 import numpy as np
 
-from adjust import further
 from adjust.collinearity import linearise, project
+from adjust.further import Bound, Group, vpv
 from adjust.unknowns import ApSet, Unknowns
 from simfield.block import Block, Floats, Indices
 
@@ -191,10 +191,10 @@ class Observations:
 
     image_points: ImagePoints
     control: ControlCoordinates
-    further: tuple[further.Bound, ...] = ()
+    further: tuple[Bound, ...] = ()
 
     @classmethod
-    def of(cls, block: Block, unknowns: Unknowns, groups: Sequence[further.Group] = ()) -> Observations:
+    def of(cls, block: Block, unknowns: Unknowns, groups: Sequence[Group] = ()) -> Observations:
         bound = tuple(group.bind(unknowns) for group in groups)
         return cls(ImagePoints.of(block, unknowns), ControlCoordinates.of(block, unknowns), bound)
 
@@ -237,7 +237,7 @@ class Observations:
             return float("inf")
         control = self.control.residuals(x)
         squares = np.sum(self.image_points.weight * v**2) + np.sum(self.control.weight * control**2)
-        return float(squares) + further.vpv(self.further, x)
+        return float(squares) + vpv(self.further, x)
 
     @property
     def magnitude(self) -> float:

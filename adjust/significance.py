@@ -105,7 +105,8 @@ def ap_significance(a: Adjustment, camera_id: str) -> ApSignificance:
     at = [a.layout.index(camera_id, name) for name in found.names]
     if not at:
         nothing = np.zeros(0)
-        return ApSignificance((), *[nothing] * 8, strongest=())
+        n = nothing
+        return ApSignificance((), n, n, n, n, n, n, n, n, ())
     q = a.regular.cofactors.orientation
     t = found.values / found.std
     z = _added(found.values, q[np.ix_(at, at)]) / a.sigma0

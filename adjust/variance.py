@@ -110,8 +110,8 @@ def variance_components(a: Adjustment, groups: Mapping[str, Indices] | None = No
 
 
 class _Damping:
-    """Helmert's steps are too long or too short where a group has little redundancy: after a change of direction they
-    are halved, in the same direction they grow."""
+    """Helmert's steps are too long or too short where a group has little redundancy: where they do not shrink to half
+    from round to round, they are halved after a change of direction, and grow otherwise."""
 
     def __init__(self, size: int) -> None:
         self.last, self.share = np.zeros(size), np.ones(size)
@@ -119,8 +119,9 @@ class _Damping:
     def step(self, theta: Floats) -> Floats:
         """The factor to take instead of theta, both near 1 at the end."""
         raw = np.log(theta)
-        turned = np.sign(raw * self.last)
-        self.share = np.clip(self.share * np.where(turned < 0.0, 0.5, np.where(turned > 0.0, 1.5, 1.0)), 0.25, 20.0)
+        slow = np.abs(raw) > 0.5 * np.abs(self.last)
+        direction = np.where(slow, np.sign(raw * self.last), 0.0)
+        self.share = np.clip(self.share * np.choose((direction + 1).astype(int), [0.5, 1.0, 1.5]), 0.25, 20.0)
         self.last = raw
         return np.exp(np.clip(self.share * raw, -np.log(STEP_MOST), np.log(STEP_MOST)))
 
@@ -175,7 +176,7 @@ def _by_points(influence: Influence, label: Indices, size: int) -> Floats:
         rows = order[start:stop]
         member = (label[rows] == np.arange(size)[:, None]).astype(float)
         t, b = influence.t[rows], influence.b[rows]
-        spread = np.einsum("gk,ke,kq->geq", member, t, b, optimize=True).reshape(size, -1)
-        blocks = np.einsum("gk,kp,kq->gpq", member, b, b, optimize=True).reshape(size, -1)
+        weighted = member[:, None, :] * b.T
+        spread, blocks = (weighted @ t).reshape(size, -1), (weighted @ b).reshape(size, -1)
         total += 2.0 * spread @ spread.T + blocks @ blocks.T
     return total

@@ -3,14 +3,14 @@
 Each camera takes a block of 3 x 3 images with 60 % overlap in both directions at about 1:5000, and four images at about
 1:10 000 in four headings that cover the area of the block. All points of the field are control, held fixed.
 
-Everything about lenses, film and noise is assumed; the sources are silent. What is FITTED, and to which published figures:
-the amplitude of each camera's lens in each field to "none" (RC8R at Rheidt 8.3 um, Jamijarvi 5.2; RMK-AR 7.6 and 6.0);
-the image noise of each camera in each field to the best set, n; the film to the fall of "none" and of n from level to
-level of the reseau correction. The shapes of the lenses are FITTED too, to the order of the sets: for the RC8R the ratios
-of the powers of the radius, of the decentering and of one cubic film term (by linear computation, so that n, then c, l and
-m, then b and f, then k are best at Rheidt), for the RMK-AR mostly decentering, because the purely radial sets c and k do
-badly there. So the orders that come out are no evidence for this world; that one lens with a handful of terms can bring
-them about is all that they show.
+Everything about lenses, film and noise is assumed; the sources are silent. What is FITTED, and to which published
+figures: the amplitude of each camera's lens in each field to "none" (RC8R at Rheidt 8.3 um, Jamijarvi 5.2; RMK-AR 7.6
+and 6.0); the image noise of each camera in each field to the best set, n; the film to the fall of "none" and of n
+from level to level of the reseau correction. The shapes of the lenses are FITTED too, to the order of the sets: for
+the RC8R the ratios of the powers of the radius, of the decentering and of one cubic film term (by linear computation,
+so that n, then c, l and m, then b and f, then k are best at Rheidt), for the RMK-AR mostly decentering, because the
+purely radial sets c and k do badly there. So the orders that come out are no evidence for this world; that one lens
+with a handful of terms can bring them about is all that they show.
 
 That one lens would need two amplitudes in two fields is a contradiction of this world, not of the papers: the published
 differences between "none" and n are twice as large at Rheidt (5.9 um) as at Jamijarvi (2.9 um), and why is not known.

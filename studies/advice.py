@@ -39,7 +39,8 @@ def _suspects(found: Record) -> Iterator[str]:
         names = _listed([each["observation"] for each in suspected])
         yield (
             f"{_counted(len(suspected), 'observation')} suspected of a gross error: {names}. Measure again or take "
-            f"out, the worst first, and adjust again; without them sigma0 would be {found['search']['sigma0_without']:.4f}"
+            "out, the worst first, and adjust again; without them sigma0 would be "
+            f"{found['search']['sigma0_without']:.4f}"
         )
     if found["search"]["stopped"]:
         yield (
@@ -61,8 +62,8 @@ def _sigma0(found: Record) -> Iterator[str]:
     else:
         yield (
             f"sigma0 = {found['sigma0']:.3f} is smaller than 1 (global test, p = {test['p']:.2g}): the observations "
-            f"are more precise than stated. Multiply their standard deviations by {found['sigma0']:.2f}; estimates with "
-            "control held fixed stay as they are, weighted control loses weight"
+            f"are more precise than stated. Multiply their standard deviations by {found['sigma0']:.2f}; estimates "
+            "with control held fixed stay as they are, weighted control loses weight"
         )
 
 
@@ -88,8 +89,8 @@ def _parameters(found: Record) -> Iterator[str]:
         doubtful = [each["name"] for each in tested if each["with_exterior"] > CORRELATED]
         if doubtful:
             yield (
-                f"{_listed(doubtful)} of camera {camera} can hardly be told from the exterior orientation: leave out, or "
-                "fly cross strips, oblique images or ground with more relief"
+                f"{_listed(doubtful)} of camera {camera} can hardly be told from the exterior orientation: leave out, "
+                "or fly cross strips, oblique images or ground with more relief"
             )
         idle = [each["name"] for each in tested if each["p"] > NOT_SIGNIFICANT and each["p_added"] > NOT_SIGNIFICANT]
         if idle:

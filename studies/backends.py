@@ -18,7 +18,7 @@ Work = Callable[[BlockTask], int]
 """computes a block, writes its shard, and returns the number of its trials"""
 
 LOST_SCHEDULER_S = 20.0
-LOOK_EVERY_S = 0.5
+LOOK_EVERY_S = 0.1
 
 
 class BackendError(RuntimeError):
@@ -94,9 +94,9 @@ def dask_cluster(
         import distributed
     except ImportError:
         raise BackendError("--backend dask needs the extra `cluster`: pip install 'simfield[cluster]'") from None
-    cluster: Any = distributed
+    client_of: Any = distributed.Client
     try:
-        client: Any = cluster.Client(scheduler, timeout=10, set_as_default=False)
+        client: Any = client_of(scheduler, timeout=10, set_as_default=False)
     except (OSError, TimeoutError, ValueError) as error:
         raise BackendError(f"no dask scheduler at {scheduler}: {str(error).splitlines()[0]}") from None
     by_key = {}
@@ -107,9 +107,11 @@ def dask_cluster(
         ends = time.monotonic() + _patience(tasks, trial_limit_s, client)
         while waiting:
             _refuse_lost(client, scheduler)
-            with contextlib.suppress(TimeoutError):
-                cluster.wait(list(waiting), timeout=LOOK_EVERY_S, return_when="FIRST_COMPLETED")
             finished = {f for f in waiting if f.done()}
+            if any(f.cancelled() for f in finished):  # nobody else cancels: the scheduler has gone
+                raise BackendError(f"the dask scheduler at {scheduler} is lost")
+            if not finished:
+                time.sleep(LOOK_EVERY_S)
             if finished:
                 ends = time.monotonic() + _patience(tasks, trial_limit_s, client)
             elif time.monotonic() > ends:

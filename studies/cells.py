@@ -60,7 +60,9 @@ class Cell:
         estimates = np.array([own[name][kept] for name in names]).reshape(len(names), -1).T
         sigma0 = own["m0_um"][kept] / constants["unit_weight_um"]
         deviations = {name: own[name][kept] for name in DEVIATIONS}
-        return cls(status, kept, deviations, names, estimates - estimand, sigma0[:, None] * s, formal, estimand, constants)
+        return cls(
+            status, kept, deviations, names, estimates - estimand, sigma0[:, None] * s, formal, estimand, constants
+        )
 
     @property
     def failures(self) -> int:

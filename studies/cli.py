@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any, NoReturn
 
 import click
 
-from studies import cli_studies, installation
+from studies import cli_chain, cli_studies, installation
 
 if TYPE_CHECKING:
     from adjust import Adjustment, ApModel
@@ -61,6 +61,7 @@ def main(ctx: click.Context) -> None:
 
 
 cli_studies.register(main)
+cli_chain.register(main)
 
 
 @main.command()
@@ -95,9 +96,9 @@ def reproduce(what: str, out: Path | None, trials: int, jobs: int | None, seed: 
     if world == "twin" and what != "mauelshagen-1980":
         raise click.UsageError("--world twin belongs to mauelshagen-1980")
     if world == "twin":
-        from studies import twin_1980 as experiment  # type: ignore[no-redef]
+        from studies import twin_1980 as experiment
     elif what == "ziemann-1982":
-        from studies import reproduce_1982 as experiment
+        from studies import reproduce_1982 as experiment  # type: ignore[no-redef]
     else:
         from studies import reproduce_1980 as experiment  # type: ignore[no-redef]
 
@@ -163,11 +164,18 @@ def adjust(
 @click.option("--seed", type=click.IntRange(0), required=True, help="Seed of all that is random.")
 @click.option("--trial", type=click.IntRange(0), default=0, show_default=True, help="Number of the trial.")
 @click.option("-o", "--out", "folder", type=FOLDER, required=True, help="Block folder to write.")
-def simulate(source: str, seed: int, trial: int, folder: Path) -> None:
+@click.option("--raw", is_flag=True, help="Write comparator coordinates with marks instead, for `simfield reduce`.")
+@click.option(
+    "--chain", default="psk-1969", show_default=True, help="Measurement chain of --raw: psk-1969, undisturbed."
+)
+def simulate(source: str, seed: int, trial: int, folder: Path, raw: bool, chain: str) -> None:
     """Fly a scenario; write the block folder a surveyor would hand over, and truth.json beside it."""
     from studies import simulation
 
     try:
+        if raw:
+            click.echo(simulation.write_measured(source, chain, seed, trial, folder))
+            return
         click.echo(simulation.write(source, seed, trial, folder))
     except simulation.WrongScenarioError as error:
         raise click.UsageError(str(error)) from error

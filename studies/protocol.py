@@ -54,9 +54,9 @@ class Findings:
         return {camera: ap_significance(self.adjustment, camera) for camera, e in self.adjustment.ap.items() if e.names}
 
 
-def record(a: Adjustment) -> Record:
+def record(a: Adjustment, findings: Findings | None = None) -> Record:
     """The whole protocol in plain types without NaN. Raises ValueError where the adjustment failed."""
-    findings = Findings(a)
+    findings = Findings(a) if findings is None else findings
     found: Record = {
         **adjustment_page.record(a),
         "data": data(a),

@@ -38,11 +38,12 @@ alone
 
 def write(a: Adjustment, folder: Path) -> list[Path]:
     """Write the protocol of a successful adjustment; returns the files. Raises OSError."""
-    record = protocol.record(a)
+    findings = protocol.Findings(a)
+    record = protocol.record(a, findings)
     contents = {
         "protocol.txt": protocol_text.page(record),
         "protocol.json": json.dumps(record, indent=1, allow_nan=False, ensure_ascii=False) + "\n",
-        "observations.csv": observations_csv(a),
+        "observations.csv": observations_csv(a, findings.reliability),
         "correlations.csv": correlations_csv(a),
     }
     make_folder(folder)
@@ -51,9 +52,8 @@ def write(a: Adjustment, folder: Path) -> list[Path]:
     return [folder / name for name in contents]
 
 
-def observations_csv(a: Adjustment) -> str:
+def observations_csv(a: Adjustment, found: Reliability) -> str:
     """One line an image point, in the order of the block; w and mdb are empty where nothing checks an observation."""
-    found = Reliability.of(a, protocol.ALPHA)
     rows = found.image_points
     columns = [a.residuals, *(each[rows].reshape(-1, 2) for each in (found.redundancy, found.w, found.mdb))]
     o, b = a.block.observations, a.block

@@ -71,9 +71,8 @@ def _data(found: Record) -> Iterator[str]:
     yield ", ".join(f"{n} {role} points" for role, n in data["points"].items())
     yield f"{data['image_points']} image points, {data['rays_per_point_mean']:.2f} rays a point"
     least, most = (data["sigma_um"][name] for name in ("least", "most"))
-    yield f"a priori standard deviation of an image coordinate {least:.2f} um" + (
-        f" to {most:.2f} um" if most > least else ""
-    )
+    upto = f" to {most:.2f} um" if most > least else ""
+    yield f"a priori standard deviation of an image coordinate {least:.2f} um{upto}"
 
 
 def _datum(found: Record) -> Iterator[str]:

@@ -50,3 +50,26 @@ def write(source: str, seed: int, trial: int, folder: Path) -> str:
         f"{folder}: {len(block.images)} images, {len(block.points)} points, {len(block.observations)} image points "
         f"({flown.name}, seed {seed}, trial {trial})"
     )
+
+
+def write_measured(source: str, chain: str, seed: int, trial: int, folder: Path) -> str:
+    """Fly a scenario and measure it on a comparator; write the measured file and truth.json. Raises as `write`."""
+    from simfield.chain import chains, prepare, write_raw
+    from simfield.simulate import build_world
+
+    flown = scenario(source)
+    if chain not in chains:
+        raise WrongScenarioError(f"no chain {chain!r}, chains are {', '.join(chains)}")
+    try:
+        world = build_world(flown, seed)
+        raw = prepare(world, chains[chain]).measure(trial)
+        write_raw(raw, folder)
+        write_truth(world.observe(trial)[1], folder)
+    except (ArithmeticError, ValueError, BlockFolderError) as error:
+        raise SimulationError(str(error)) from error
+    except OSError as error:
+        raise SimulationError(f"{folder} cannot be written: {error.strerror}") from error
+    return (
+        f"{folder}: comparator coordinates of {len(raw.block.observations)} image points and "
+        f"{len(raw.mark_image)} settings of marks ({flown.name}, {chain}, seed {seed}, trial {trial})"
+    )

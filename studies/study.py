@@ -80,13 +80,15 @@ class Paired:
 @dataclass(frozen=True)
 class Report:
     """What the figures show: measures over the factor x, a line for each combination of the factors `series` (none
-    named: of all that vary), and correlations from least_correlation on.
+    named: of all that vary), and correlations from least_correlation on; rank_by: a measure by which the report ranks
+    the methods of each condition, the smallest first.
     """
 
     x: str = ""
     series: tuple[str, ...] = ()
     measures: tuple[str, ...] = ("m0_um", "mu_xy_mm", "mu_z_mm", "coverage_z")
     least_correlation: float = 0.3
+    rank_by: str = ""
 
 
 @dataclass(frozen=True)

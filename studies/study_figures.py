@@ -52,12 +52,18 @@ def _plain(value: Any) -> str:
     return (f"{value:g}" if isinstance(value, float) else str(value)).replace("$", r"\$")
 
 
+MANY_LABELS = 8
+"""more names than this along x stand upright, and are joined by no lines"""
+
+
 def measure_over_factor(axes: Axes, series: Series, labels: Sequence[str], x: str, measure: str, unit: str) -> None:
     """One measure over a factor: points with 95 % Monte-Carlo intervals, a line for each series."""
     count = max(1, len(series))
     for number, (label, (places, estimate, mcse)) in enumerate(list(series.items())[:MOST_SERIES]):
         style: dict[str, Any] = {"color": COLOURS[number % len(COLOURS)], "marker": MARKERS[number % len(MARKERS)]}
-        if number >= len(COLOURS):
+        if len(labels) > MANY_LABELS:
+            style["linestyle"] = "none"
+        elif number >= len(COLOURS):
             style["linestyle"] = (0, (4, 2))
         # side by side where x is a list of names, so that intervals do not hide each other
         shift = (number - (count - 1) / 2.0) * 0.5 / count if labels else 0.0
@@ -67,7 +73,9 @@ def measure_over_factor(axes: Axes, series: Series, labels: Sequence[str], x: st
         )
     if labels:
         axes.set_xticks(range(len(labels)), labels)
-        if sum(map(len, labels)) > 40:
+        if len(labels) > MANY_LABELS:
+            axes.tick_params(axis="x", labelrotation=90, labelsize=6)
+        elif sum(map(len, labels)) > 40:
             axes.tick_params(axis="x", labelrotation=25)
     axes.set(xlabel=_plain(x), ylabel=_plain(measure) + ("" if unit == "1" else f", {unit}"))
     axes.grid(True, axis="y")

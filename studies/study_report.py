@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from studies import ranking
 from studies.conditions import factor_names
 from studies.plan import Plan
 from studies.summary import Row, Summary
@@ -34,6 +35,8 @@ def page(summed: Summary, plan: Plan, figures: Sequence[Path] = ()) -> str:
     for figure in figures:
         lines += [f"![{', '.join(study.report.measures)}]({figure.name})", ""]
     names = [*factor_names(study), *study.methods]
+    if study.report.rank_by:
+        lines += [f"## Ranked by {escaped(study.report.rank_by)}", "", *_ranked(summed, plan)]
     for measure in study.report.measures:
         chosen = [row for row in summed.rows if row["measure"] == measure]
         if chosen:
@@ -46,6 +49,16 @@ def page(summed: Summary, plan: Plan, figures: Sequence[Path] = ()) -> str:
     if summed.failures:
         lines += ["## Failures", "", *(f"- {escaped(line)}" for line in summed.failures), ""]
     return "\n".join(lines)
+
+
+def _ranked(summed: Summary, plan: Plan) -> Iterator[str]:
+    """A ranking for each condition, under its factors."""
+    report = plan.study.report
+    for condition in plan.conditions:
+        yield f"### {escaped(str(condition))}"
+        yield ""
+        own = [row for row in summed.rows if row["condition"] == condition.id]
+        yield from ranking.tables(own, summed.differences, report.measures, report.rank_by)
 
 
 def _what_was_run(summed: Summary, plan: Plan) -> str:
@@ -109,11 +122,12 @@ def _draw(summed: Summary, plan: Plan, folder: Path) -> list[Path]:
     if not measures or not x:
         return []
     from studies.canvas import house_style, new_figure, save
-    from studies.study_figures import MOST_SERIES, measure_over_factor, series_of
+    from studies.study_figures import MANY_LABELS, MOST_SERIES, measure_over_factor, series_of
 
     with house_style():
         rows, columns = -(-len(measures) // 2), min(2, len(measures))
-        figure = new_figure(90.0 * columns, 66.0 * rows + 22.0)
+        many = len({str(row.get(x)) for row in summed.rows}) > MANY_LABELS
+        figure = new_figure(90.0 * columns, (88.0 if many else 66.0) * rows + 22.0)
         grid: Any = figure.subplots(rows, columns, squeeze=False)
         units = {row["measure"]: row["unit"] for row in summed.rows}
         for axes, measure in zip(grid.ravel(), measures, strict=False):

@@ -1,4 +1,4 @@
-"""The lens as a certificate and a mounting describe it: four half-diagonals, decentering, tilt, interior orientation."""
+"""The lens by its certificate and mounting: four half-diagonals, decentering, tilt, displaced interior orientation."""
 
 from __future__ import annotations
 

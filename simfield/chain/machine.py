@@ -1,4 +1,4 @@
-"""Marks on the film, the comparator and what goes wrong while measuring; each value is frozen and can be switched off."""
+"""Marks on the film, the comparator, and what goes wrong; each value is frozen and can be switched off."""
 
 from __future__ import annotations
 

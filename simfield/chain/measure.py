@@ -110,7 +110,12 @@ def prepare(world: World, chain: Chain) -> Prepared:
     marks = np.concatenate([chain.marks.fiducial_positions(), chain.marks.reseau_positions()])
     fiducials, m = len(chain.marks.fiducial_positions()), len(world.plan)
     # fiducials are set at the start and again at the end of the session, the reseau in between
-    order = np.concatenate([np.arange(fiducials), np.arange(len(marks)), ])
+    order = np.concatenate(
+        [
+            np.arange(fiducials),
+            np.arange(len(marks)),
+        ]
+    )
     at = np.concatenate([np.zeros(fiducials), np.ones(fiducials), np.full(len(marks) - fiducials, 0.5)])
     image = np.concatenate([world.image, np.repeat(np.arange(m), len(order))])
     exposed = np.concatenate([_exposed(world, chain), np.tile(marks[order], (m, 1))])

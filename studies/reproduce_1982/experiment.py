@@ -30,7 +30,18 @@ SETS: Mapping[str, str] = {
     "n": "salmenpera-kilpela7",
 }
 """the paper's letters; set a is not known, its page is not at hand"""
-OTHERS = ("optical", "torlegard", "brown14", "gruen44", "brown1976", "jacobsen12", "legendre", "fourier", "chebyshev", "zernike")
+OTHERS = (
+    "optical",
+    "torlegard",
+    "brown14",
+    "gruen44",
+    "brown1976",
+    "jacobsen12",
+    "legendre",
+    "fourier",
+    "chebyshev",
+    "zernike",
+)
 """sets of the catalogue that the paper does not have"""
 LEFT_OUT = {"brown1976": ("a19", "a20", "a21")}
 
@@ -78,10 +89,10 @@ def part_of(world: World, camera: str) -> Part:
 
 
 def residual_um(vpv: Floats, block: Block) -> Floats:
-    """(t) the rms length of the residual vectors, um in the image, of t trials with the weighted sum of squares vPv (t).
+    """(t) the rms length of the residual vectors, um in the image, of t trials with weighted sums of squares vPv.
 
-    All points are held fixed, so the residual of a ray on the ground, divided by the scale number, is its residual in the
-    image; all image coordinates have one standard deviation.
+    All points are held fixed, so the residual of a ray on the ground, divided by the scale number, is its residual in
+    the image; all image coordinates have one standard deviation.
     """
     sigma_um = 1000.0 * float(block.observations.sigma.min())
     return np.asarray(sigma_um * np.sqrt(vpv / len(block.observations)))

@@ -1,8 +1,8 @@
 """The reseau: crosses of known places on a glass before the film, and what can be corrected with their images.
 
-The light of a cross passes no lens, so the deviation of a measured cross from its place shows the film and the comparator
-alone. Levels of correction, from Ziemann & El-Hakim 1982 by number; what exactly they did at each is on a page that is
-not at hand, and these five are this project's reading:
+The light of a cross passes no lens, so the deviation of a measured cross from its place shows the film and the
+comparator alone. Levels of correction, from Ziemann & El-Hakim 1982 by number; what exactly they did at each is on a
+page that is not at hand, and these five are this project's reading:
 
     0 none    1 Helmert (similarity)    2 affine    3 bilinear (affine and xy)    4 local interpolation between crosses
 """
@@ -114,7 +114,7 @@ def _terms(xy: Floats, level: int) -> Floats:
 
 
 def interpolated(values: Floats, xy_mm: Floats) -> Floats:
-    """(k, 2): values (g, 2) at the crosses, bilinear between the four crosses around each point, beyond the outer ones too."""
+    """(k, 2): values (g, 2) at the crosses, bilinear between the four around each point, beyond the outer ones too."""
     side = len(CROSSES_MM)
     table = values.reshape(side, side, 2)
     at = (xy_mm - CROSSES_MM[0]) / SPACING_MM

@@ -25,9 +25,9 @@ FEWEST_RANKED = 5
 def table(trials: pd.DataFrame) -> pd.DataFrame:
     """A row for each case, level and set of the paper, without the system's distortion removed.
 
-    sim_um is the mean over the trials of each trial's rms, sim_mcse_um its standard error; gain_um is by how much the set
-    is better than none, from pairs of the same trial. n trials entered, `failures` did not. Raises ReproductionError where
-    all trials of a row failed.
+    sim_um is the mean over the trials of each trial's rms, sim_mcse_um its standard error; gain_um is by how much the
+    set is better than none, from pairs of the same trial. n trials entered, `failures` did not. Raises
+    ReproductionError where all trials of a row failed.
     """
     paper = published.ziemann_el_hakim()
     rows = []
@@ -44,7 +44,7 @@ def table(trials: pd.DataFrame) -> pd.DataFrame:
 
 
 def beyond(trials: pd.DataFrame) -> pd.DataFrame:
-    """What the paper does not have: the other sets at the highest level, and all with the system's distortion removed."""
+    """What the paper does not have: other sets at the highest level, and all with the system's distortion removed."""
     rows = []
     for case in cases():
         for model in OTHERS:
@@ -126,7 +126,9 @@ def case_markdown(found: pd.DataFrame, case: Case) -> str:
         line = {"level": f"{level} {name}"}
         for letter in SETS:
             row = own[(own["level"] == level) & (own["set"] == letter)].iloc[0]
-            printed = "?" if np.isnan(row["published_um"]) else f"{row['published_um']:.1f}{'?' if row['doubtful'] else ''}"
+            printed = (
+                "?" if np.isnan(row["published_um"]) else f"{row['published_um']:.1f}{'?' if row['doubtful'] else ''}"
+            )
             line[letter] = f"{printed} / {row['sim_um']:.2f}"
         lines.append(line)
     return markdown(pd.DataFrame(lines))

@@ -108,9 +108,7 @@ def adjusted(part: Part, model: str, xy: Floats, given: Floats) -> Replicates:
         raise ReproductionError(f"{model}: {error}") from error
 
 
-def _lines(
-    part: Part, case: Case, how: tuple[int, bool], model: str, xy: Floats, given: Floats
-) -> pd.DataFrame:
+def _lines(part: Part, case: Case, how: tuple[int, bool], model: str, xy: Floats, given: Floats) -> pd.DataFrame:
     found = adjusted(part, model, xy, given)
     return pd.DataFrame(
         {

@@ -85,7 +85,9 @@ def test_replicates_are_what_single_adjustments_find(noisy: CloseRange) -> None:
     assert (found.trials.route == GAUSS_NEWTON).all()
     for trial, xy in enumerate(trials):
         alone = adjust_block(noisy.block.replace_image_points(xy), BROWN)
-        np.testing.assert_allclose(found.ap("slr")[trial], alone.ap["slr"].values, atol=1e-6 * alone.ap["slr"].std.max())
+        np.testing.assert_allclose(
+            found.ap("slr")[trial], alone.ap["slr"].values, atol=1e-6 * alone.ap["slr"].std.max()
+        )
         assert found.sigma0[trial] == pytest.approx(alone.sigma0, rel=1e-9)
 
 

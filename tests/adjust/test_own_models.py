@@ -15,7 +15,9 @@ from simfield import build_world, presets, write_block
 from studies.cli import main
 
 DOCUMENT = Path(__file__).parents[2] / "docs" / "own-models.md"
-CODE = re.findall(r"^```python\n(# spiral.py\n.*?)^```", DOCUMENT.read_text(encoding="utf-8"), re.DOTALL | re.MULTILINE)[0]
+CODE = re.findall(
+    r"^```python\n(# spiral.py\n.*?)^```", DOCUMENT.read_text(encoding="utf-8"), re.DOTALL | re.MULTILINE
+)[0]
 AMOUNT = np.array([2e-5, -1e-5, 3e-5])
 
 

@@ -19,7 +19,12 @@ from simfield.block import Floats
 
 AGREEMENT = 1e-12
 """of the largest value of each term; the forms differ in the order of their operations"""
-EXTREME = {"legendre": {"m": 9, "n": 9}, "zernike": {"n": 9}, "fourier": {"m": 3, "n": 3}, "chebyshev": {"m": 5, "n": 4}}
+EXTREME = {
+    "legendre": {"m": 9, "n": 9},
+    "zernike": {"n": 9},
+    "fourier": {"m": 3, "n": 3},
+    "chebyshev": {"m": 5, "n": 4},
+}
 MODELS_TO_TRACE = [
     *(pytest.param(kind(), id=kind.id) for kind in MODELS),
     *(pytest.param(ap_models.get(name, **settings), id=f"{name}-high") for name, settings in EXTREME.items()),

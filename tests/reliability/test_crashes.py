@@ -185,7 +185,7 @@ def test_a_signal_ends_the_command_soon_and_it_says_how_to_go_on(
     started = time.monotonic()
     _, errors = process.communicate(timeout=30)
     assert time.monotonic() - started < 5.0
-    assert process.returncode == code
+    assert process.returncode == code, errors.decode()
     assert b"the same command goes on from there" in errors
     assert b"Traceback" not in errors
     assert gone(process.pid, 10.0)

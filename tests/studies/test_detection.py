@@ -1,0 +1,46 @@
+"""Size and power of data snooping against theory, on a small block."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from adjust import adjust_block, ap_models
+from studies.detection import Share, detection, error_free
+from tests import synthetic
+
+MODEL = ap_models.get("optical")
+
+
+def test_power_and_false_alarms_are_those_of_theory(ww_world: synthetic.World) -> None:
+    found = detection(ww_world.with_noise(np.random.default_rng(1)).block, MODEL, 300, 7, sizes=(0.0, 5.0, 12.0))
+    np.testing.assert_allclose(found["found"] + found["missed"] + found["wrongly_accused"], 1.0, rtol=1e-12)
+    assert (np.abs(found["power"] - found["power_theory"]) <= 3.0 * found["power_mcse"]).all()
+    nothing_wrong = found.iloc[0]
+    assert abs(nothing_wrong["false_alarms"] - 0.001) <= 3.0 * nothing_wrong["false_alarms_mcse"]
+    assert found["found"].iloc[2] >= 0.99
+    assert found["found"].is_monotonic_increasing
+
+
+def test_it_repeats_itself(ww_world: synthetic.World) -> None:
+    block = ww_world.with_noise(np.random.default_rng(1)).block
+    whole = detection(block, MODEL, 40, 7, sizes=(5.0, 8.0))
+    alone = detection(block, MODEL, 40, 7, sizes=(8.0,))
+    assert whole.iloc[1].to_dict() == alone.iloc[0].to_dict()
+
+
+def test_an_error_free_block(ww_world: synthetic.World) -> None:
+    block = error_free(ww_world.with_noise(np.random.default_rng(1)).block, MODEL)
+    assert np.abs(adjust_block(block, MODEL).residuals).max() < 1e-12
+
+
+def test_a_block_that_cannot_be_adjusted(ww_world: synthetic.World) -> None:
+    nothing = np.full_like(ww_world.coordinates, np.nan)
+    loose = ww_world.with_points(role=["tie"] * len(nothing), coordinates=nothing, sigma=nothing)
+    with pytest.raises(ValueError, match="cannot be adjusted"):
+        error_free(loose.block, MODEL)
+
+
+def test_a_share_of_nothing_has_an_error() -> None:
+    assert Share(0, 100).mcse > 0.0
+    assert Share(50, 100).mcse == pytest.approx(0.05, rel=0.05)

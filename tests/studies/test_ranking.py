@@ -1,0 +1,68 @@
+"""Methods ranked within a condition, and what sets are chosen by."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from adjust import adjust_block, ap_models, model_choice
+from adjust.significance import ap_significance
+from simfield import build_world, presets
+from studies import ranking
+from studies.cells import Cell, measured
+from studies.methods import Method
+from studies.parts import Part
+from studies.trial_columns import nominal_columns, trial_columns
+
+KEY = "m"
+
+
+def rows(values: dict[str, dict[str, float]]) -> list[dict[str, object]]:
+    return [
+        {"condition": "c", "method": f"{method}, cameras all, with aux", "measure": measure, "estimate": v, "mcse": 0.1}
+        for method, measures in values.items()
+        for measure, v in measures.items()
+    ]
+
+
+def test_the_best_comes_first_and_criteria_count_from_their_smallest() -> None:
+    values = {"a x=1,2": {"z": 3.0, "aic": 107.0}, "b": {"z": 2.0, "aic": 100.0}, "c": {"z": float("nan")}}
+    lines = list(ranking.tables(rows(values), rows({"a x=1,2": {"z": 1.0}}), ["aic", "z"], "z"))
+    assert lines == [
+        "| rank | method | z | difference | aic |",
+        "| ---: | --- | ---: | ---: | ---: |",
+        "| 1 | b | 2 | – | 0 |",
+        "| 2 | a x=1,2 | 3 | +1.00 ± 0.10 | 7 |",
+        "",
+    ]
+
+
+@pytest.fixture(scope="module")
+def trial():
+    """One trial of a small block: its cell, and its adjustment by itself."""
+    from adjust.replicates import adjust_replicates
+
+    world = build_world(presets["grid-small"], 3)
+    part, model = Part.of(world, Method("brown14")), ap_models.get("brown14")
+    xy, given = world.image_points(5)[None], world.given_coordinates(5)[None]
+    replicates = adjust_replicates(part.block, model, xy, coordinates=given)
+    columns = {f"{KEY}|{k}": v for k, v in trial_columns(replicates, part, given).items()}
+    nominal = {f"{KEY}|{k}": v for k, v in nominal_columns(replicates.nominal, part).items()}
+    return Cell.of(KEY, columns, nominal), adjust_block(part.block.replace_image_points(xy[0]), model)
+
+
+def test_the_criteria_are_those_of_the_engine(trial) -> None:
+    cell, a = trial
+    found = {name: float(m.estimate[0]) for name, m in measured(cell).items()}
+    assert found["aic"] == pytest.approx(model_choice.aic(a), rel=1e-9)
+    assert found["bic"] == pytest.approx(model_choice.bic(a), rel=1e-9)
+    tested = ap_significance(a, "ww")
+    assert found["significant"] == np.sum(tested.p < 0.05)
+    assert found["parameters"] == 14.0
+
+
+def test_the_largest_correlation_with_the_exterior_orientation(trial) -> None:
+    cell, a = trial
+    strongest = ap_significance(a, "ww").strongest
+    found = float(measured(cell)["largest_ap_exterior"].estimate[0])
+    assert found == pytest.approx(max(abs(r) for *_, r in strongest), abs=2e-3)
