@@ -27,6 +27,10 @@ class ApPriors:
     def ties_datum(self) -> bool:
         return False
 
+    @property
+    def coupled(self) -> tuple[str, ...]:
+        return ()
+
     def unknowns(self, block: Block) -> tuple[Name, ...]:
         """None. Raises ValueError for a standard deviation that is not positive."""
         for name, (value, sigma) in self.values.items():

@@ -50,12 +50,13 @@ def adjust_block(
     try:
         if not isinstance(datum, ByControl) and any(group.ties_datum for group in observations):
             raise ValueError(
-                "a free network cannot hold observed stations; leave them out, or take the datum by control"
+                "a free network cannot hold observed stations, distances or heights; take the datum by control"
             )
         block = datum.prepared(block)
     except (initial.NoStartError, ValueError) as error:
         return _without_datum(block, model, str(error))
-    unknowns = Unknowns.of(block, model, ap_by, names)
+    tied = [point for group in observations for point in group.coupled]
+    unknowns = Unknowns.of(block, model, ap_by, names, tied)
     with np.errstate(all="ignore"):  # what is not finite ends with a status, not with a warning
         groups = Observations.of(block, unknowns, observations)
         arithmetic = Compiled(groups) if compiled else Plain(groups)

@@ -96,8 +96,8 @@ class Compiled:
 
     @cached_property
     def free(self) -> Floats:
-        """(n, 3): 1 for free coordinates, 0 for fixed ones."""
-        return (~self.observations.image_points.unknowns.block.points.fixed).astype(float)
+        """(n, 3): 1 for free coordinates, 0 for fixed and for coupled ones."""
+        return (~self.observations.image_points.unknowns.held).astype(float)
 
     @cached_property
     def widths(self) -> tuple[int, int, int, int]:
@@ -121,8 +121,8 @@ class Compiled:
         aa = self.linear_aa if terms is g.basis else self.aa(terms)
         if self.observations.further:
             aa = aa.copy()
-            vpv += further.add_gradient(self.observations.further, x, gradient_e)
-            further.add_blocks(self.observations.further, x, ee, ea, aa)
+            vpv += self._add_further(x, gradient_e)
+            further.add_blocks(self.observations.beside_elimination(x)[0], ee, ea, aa)
         return CompiledNormals(gradient_e, gradient_p, vpv, depth, ee, ea, aa, pe, pa, pp)
 
     def gradient(self, x: Floats) -> Gradient:
@@ -136,7 +136,7 @@ class Compiled:
             gradient_e[: 6 * m].reshape(m, 6), gradient_e[6 * m :], gradient_p,
         )  # fmt: skip
         vpv += self._add_control(x, None, gradient_p)
-        vpv += further.add_gradient(self.observations.further, x, gradient_e)
+        vpv += self._add_further(x, gradient_e)
         return Gradient(gradient_e, gradient_p, vpv, depth)
 
     def _linearised(self, x: Floats) -> tuple[Floats, Floats, Floats, Floats, float]:
@@ -155,16 +155,21 @@ class Compiled:
             g.add_principal_distance(at, v - at.d + g.xy)
         return v, by_exterior, by_point, at.terms, depth
 
+    def _add_further(self, x: Floats, gradient_e: Floats) -> float:
+        forms, vpv = self.observations.beside_elimination(x, gradient_only=True)
+        further.add_gradient(forms, gradient_e)
+        return vpv
+
     def _add_control(self, x: Floats, pp: Floats | None, gradient_p: Floats) -> float:
         """The weighted and the fixed control; returns the vPv of the former."""
         u = self.observations.image_points.unknowns
         control = self.observations.control
-        at_point, axis = np.divmod(control.columns - u.orientation, 3)
-        v = control.residuals(x)
-        gradient_p[at_point, axis] += control.weight * v
+        v, alone = control.residuals(x), control.columns >= u.orientation
+        at_point, axis = np.divmod(control.columns[alone] - u.orientation, 3)
+        gradient_p[at_point, axis] += (control.weight * v)[alone]
         if pp is not None:
-            pp[at_point, axis, axis] += control.weight
-            fixed_point, fixed_axis = np.nonzero(u.block.points.fixed)
+            pp[at_point, axis, axis] += control.weight[alone]
+            fixed_point, fixed_axis = np.nonzero(u.held)
             pp[fixed_point, fixed_axis, fixed_axis] = 1.0
         return float(np.sum(control.weight * v**2))
 

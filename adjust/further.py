@@ -59,6 +59,10 @@ class Group(Protocol):
     def ties_datum(self) -> bool:
         """Whether it says where the block is, so that a free network is no longer free."""
 
+    @property
+    def coupled(self) -> tuple[str, ...]:
+        """The points that the group ties to each other, so that they cannot be eliminated one by one."""
+
     def unknowns(self, block: Block) -> tuple[Name, ...]:
         """The unknowns (owner, name) that the group brings along. Raises ValueError for what is not in the block."""
 
@@ -78,38 +82,36 @@ def vpv(groups: Sequence[Bound], x: Floats) -> float:
     return float(sum(np.sum(group.weight * group.at(x).v ** 2) for group in groups))
 
 
-def add_gradient(groups: Sequence[Bound], x: Floats, gradient: Floats) -> float:
-    """Add A^T P v to the gradient of the orientation unknowns (E); returns vPv."""
-    total = 0.0
-    for group in groups:
-        at = group.at(x)
-        np.add.at(gradient, at.columns, (group.weight * at.v)[:, None] * at.values)
-        total += float(np.sum(group.weight * at.v**2))
-    return total
+Forms = Sequence[tuple[Floats, Linear]]
+"""weights (q) and linear forms"""
 
 
-def add_dense(groups: Sequence[Bound], x: Floats, ee: Floats) -> None:
+def add_gradient(forms: Forms, gradient: Floats) -> None:
+    """Add A^T P v to the gradient of the orientation unknowns (E)."""
+    for weight, at in forms:
+        np.add.at(gradient, at.columns, (weight * at.v)[:, None] * at.values)
+
+
+def add_dense(forms: Forms, ee: Floats) -> None:
     """Add A^T P A to the normal equations of the orientation unknowns (E, E)."""
-    for group in groups:
-        at = group.at(x)
-        products = group.weight[:, None, None] * at.values[:, :, None] * at.values[:, None, :]
+    for weight, at in forms:
+        products = weight[:, None, None] * at.values[:, :, None] * at.values[:, None, :]
         np.add.at(ee, (at.columns[:, :, None], at.columns[:, None, :]), products)
 
 
-def add_blocks(groups: Sequence[Bound], x: Floats, ee: Floats, ea: Floats, aa: Floats) -> None:
+def add_blocks(forms: Forms, ee: Floats, ea: Floats, aa: Floats) -> None:
     """Add A^T P A to ee (m, 6, 6) lower triangles, ea (m, 6, A) and aa (A, A), as adjust.compiled_normals keeps them.
 
     An observation may touch one image only.
     """
     images = 6 * len(ee)
-    for group in groups:
-        at = group.at(x)
-        products = group.weight[:, None, None] * at.values[:, :, None] * at.values[:, None, :]
+    for weight, at in forms:
+        products = weight[:, None, None] * at.values[:, :, None] * at.values[:, None, :]
         i = np.broadcast_to(at.columns[:, :, None], products.shape)
         j = np.broadcast_to(at.columns[:, None, :], products.shape)
         used = products != 0.0
         inside = used & (i < images) & (j <= i)
-        assert (i[inside] // 6 == j[inside] // 6).all(), f"{group.name}: an observation touches two images"
+        assert (i[inside] // 6 == j[inside] // 6).all(), "an observation touches two images"
         np.add.at(ee, (i[inside] // 6, i[inside] % 6, j[inside] % 6), products[inside])
         across = used & (i < images) & (j >= images)
         np.add.at(ea, (i[across] // 6, i[across] % 6, j[across] - images), products[across])

@@ -166,6 +166,11 @@ def _image_rows(a: Adjustment) -> tuple[Floats, Floats, Floats]:
         columns = u.sets[u.image_set[image]].columns
         by_orientation[rows, :, 6 * image : 6 * image + 6] = at.by_orientation[rows, :, :6]
         by_orientation[rows, :, columns] = at.by_orientation[rows, :, 6 : 6 + columns.stop - columns.start]
+    if len(u.coupled):
+        tied, form = g.coupled(a.x)
+        by_orientation[tied] = 0.0
+        here = (2 * tied[:, None] + np.arange(2)).ravel()
+        np.add.at(by_orientation.reshape(2 * k, -1), (here[:, None], form.columns), form.values)
     return by_orientation.reshape(2 * k, -1), at.by_point.reshape(2 * k, 3), at.v.ravel()
 
 

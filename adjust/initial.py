@@ -29,7 +29,9 @@ def values(unknowns: Unknowns, image_points: ImagePoints) -> Floats:
     exterior[:, :3] -= unknowns.origin
     points = np.where((block.points.role == "check")[:, None], np.nan, block.points.coordinates - unknowns.origin)
     _complete(exterior, points, image_points)
-    return np.concatenate([exterior.ravel(), np.zeros(unknowns.orientation - exterior.size), points.ravel()])
+    x = np.concatenate([exterior.ravel(), np.zeros(unknowns.orientation - exterior.size), points.ravel()])
+    x[unknowns.places] = points.ravel()
+    return x
 
 
 def _complete(exterior: Floats, points: Floats, image_points: ImagePoints) -> None:

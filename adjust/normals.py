@@ -86,15 +86,17 @@ def assemble(observations: Observations, x: Floats) -> Normals:
         pp[seen] += blocks[rows]
         gradient_p[seen] += np.einsum("kij,ki->kj", weighted_point[rows], at.v[rows])
     control = observations.control
-    at_point, axis = np.divmod(control.columns - size, 3)
-    v = control.residuals(x)
-    np.add.at(pp, (at_point, axis, axis), control.weight)
-    gradient_p[at_point, axis] += control.weight * v
-    fixed_point, fixed_axis = np.nonzero(u.block.points.fixed)
+    v, alone = control.residuals(x), control.columns >= size
+    at_point, axis = np.divmod(control.columns[alone] - size, 3)
+    np.add.at(pp, (at_point, axis, axis), control.weight[alone])
+    gradient_p[at_point, axis] += (control.weight * v)[alone]
+    fixed_point, fixed_axis = np.nonzero(u.held)
     pp[fixed_point, fixed_axis, fixed_axis] = 1.0
     vpv = float(np.sum(points.weight * at.v**2) + np.sum(control.weight * v**2))
-    vpv += further.add_gradient(observations.further, x, gradient_e)
-    further.add_dense(observations.further, x, ee)
+    forms, more = observations.beside_elimination(x)
+    further.add_gradient(observations.beside_elimination(x, gradient_only=True)[0], gradient_e)
+    further.add_dense(forms, ee)
+    vpv += more
     return Normals(ee, pe, pp, gradient_e, gradient_p, vpv, float(at.depth.min()))
 
 

@@ -13,7 +13,7 @@ from itertools import pairwise
 import numpy as np
 
 from adjust.collinearity import linearise, project
-from adjust.further import Bound, Group, vpv
+from adjust.further import Bound, Group, Linear, vpv
 from adjust.unknowns import ApSet, Unknowns
 from simfield.block import Block, Floats, Indices
 
@@ -87,8 +87,8 @@ class ImagePoints:
 
     @cached_property
     def free(self) -> Floats:
-        """(k, 1, 3): 1 for free coordinates of the observed point, 0 for fixed ones."""
-        return (~self.unknowns.block.points.fixed).astype(float)[self.point][:, None, :]
+        """(k, 1, 3): 1 for free coordinates of the observed point, 0 for fixed and for coupled ones."""
+        return (~self.unknowns.held).astype(float)[self.point][:, None, :]
 
     def ap_values(self, x: Floats) -> Floats:
         """(m, a) the additional parameters that apply to each image, zero-padded."""
@@ -144,6 +144,24 @@ class ImagePoints:
             ]
         return effects
 
+    def coupled(self, x: Floats) -> tuple[Indices, Linear]:
+        """The rows (k') that see coupled coordinates, and their image coordinates (2k') as functions of all orientation
+        unknowns: exterior orientation, additional parameters, coupled coordinates. The last three columns are these."""
+        u = self.unknowns
+        rows = np.flatnonzero(np.isin(self.point, u.coupled // 3))
+        at, points = self.jacobian(x), u.points(x)
+        interior = self.distortion(x).interior
+        by_point = linearise(u.exterior(x), interior, points[self.point[rows]], self.image[rows]).by_point
+        first = np.array([s.columns.start for s in u.sets], dtype=np.intp)[u.image_set[self.image[rows]]]
+        exterior = 6 * self.image[rows][:, None] + np.arange(6)
+        coordinates = 3 * self.point[rows][:, None] + np.arange(3)
+        tied = np.isin(coordinates, u.coupled)
+        by_orientation = at.by_orientation[rows]
+        parameters = np.where(by_orientation[:, :, 6:].any(axis=1), first[:, None] + np.arange(self.basis.shape[2]), 0)
+        columns = np.hstack([exterior, parameters, np.where(tied, u.places[coordinates], 0)])
+        values = np.concatenate([by_orientation, by_point * tied[:, None, :]], axis=2)
+        return rows, Linear(at.v[rows].ravel(), np.repeat(columns, 2, axis=0), values.reshape(2 * len(rows), -1))
+
     def residuals(self, x: Floats) -> tuple[Floats, Floats]:
         """v (k, 2), mm, and the depths (k), m, in the group's order."""
         u, at = self.unknowns, self.distortion(x)
@@ -178,7 +196,7 @@ class ControlCoordinates:
     def of(cls, block: Block, unknowns: Unknowns) -> ControlCoordinates:
         at = np.flatnonzero(block.points.weighted.ravel())
         given = (block.points.coordinates - unknowns.origin).ravel()[at]
-        return cls(at, unknowns.orientation + at, given, 1.0 / block.points.sigma.ravel()[at] ** 2)
+        return cls(at, unknowns.places[at], given, 1.0 / block.points.sigma.ravel()[at] ** 2)
 
     def residuals(self, x: Floats) -> Floats:
         """v (q), m."""
@@ -229,6 +247,28 @@ class Observations:
             replace(self.control, weight=control),
             tuple(group.with_weight(weight) for group, weight in zip(self.further, others, strict=True)),
         )
+
+    def beside_elimination(self, x: Floats, gradient_only: bool = False) -> tuple[list[tuple[Floats, Linear]], float]:
+        """What enters the normal equations of the orientation unknowns beside the image points as the elimination sees
+        them: weights and linear forms, and their part of vPv. Further groups; of points that are coupled to others,
+        their control, and their image points with all derivatives, less those without the coordinates.
+        """
+        forms = [(group.weight, group.at(x)) for group in self.further]
+        control, u = self.control, self.image_points.unknowns
+        total = float(sum(np.sum(weight * form.v**2) for weight, form in forms))
+        if len(u.coupled):
+            tied = control.columns < u.orientation
+            v, columns = control.residuals(x)[tied], control.columns[tied][:, None]
+            forms.append((control.weight[tied], Linear(v, columns, np.ones_like(v)[:, None])))
+            rows, form = self.image_points.coupled(x)
+            weight = self.image_points.weight[rows].ravel()
+            forms.append((weight, Linear(form.v, form.columns[:, -3:], form.values[:, -3:])))
+            if not gradient_only:
+                without = form.values.copy()
+                without[:, -3:] = 0.0
+                forms[-1] = (weight, form)
+                forms.append((-weight, Linear(form.v, form.columns, without)))
+        return forms, total
 
     def cost(self, x: Floats) -> float:
         """vPv; infinite when a point lies behind a camera."""

@@ -44,7 +44,7 @@ class Cofactors:
             diagonal = np.diag(self.orientation)
             spread = (white.reshape(-1, len(diagonal)) @ self.orientation).reshape(white.shape)
             blocks = root.transpose(0, 2, 1) @ (np.eye(3) + spread @ white.transpose(0, 2, 1)) @ root
-        fixed = self.unknowns.block.points.fixed
+        fixed = self.unknowns.held
         blocks[fixed[:, :, None] | fixed[:, None, :]] = 0.0
         return diagonal, np.asarray(blocks)
 

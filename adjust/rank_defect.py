@@ -13,7 +13,7 @@ import numpy as np
 
 from adjust.normals import SingularError
 from adjust.observations import Observations
-from adjust.similarity import station_motions
+from adjust.similarity import point_motions, station_motions
 from adjust.unknowns import EXTERIOR_NAMES, Unknowns
 from simfield.block import Floats, Indices
 
@@ -131,6 +131,8 @@ def _datum_directions(u: Unknowns, x: Floats, scale: Floats) -> Floats:
     moves = station_motions(exterior, _pivot(u, x))
     directions = np.zeros((len(scale), 7))
     directions[: 6 * len(exterior)] = moves.reshape(-1, 7)
+    coupled = point_motions(u.points(x), _pivot(u, x)).reshape(-1, 7)[u.coupled]
+    directions[len(directions) - len(coupled) :] = coupled
     directions /= scale[:, None]
     length = np.linalg.norm(directions, axis=0)
     return np.asarray(directions / np.where(length > 0.0, length, 1.0))

@@ -134,8 +134,9 @@ def adjust_replicates(
     is disturbed too; None: those of the block. exact_std: also the cofactors of every trial, which costs as much as
     adjusting it singly. jobs: processes; the result does not depend on their number.
 
-    Returns what `adjust_block` finds for every trial, to 1e-8 standard deviations of every unknown. Raises ValueError
-    when the block itself cannot be adjusted or shapes do not fit.
+    Returns what `adjust_block` finds for every trial, to 1e-8 standard deviations of every unknown. Trials with a set
+    that is not linear are all solved by full Gauss-Newton, and `finished_by_gauss_newton` counts them. Raises
+    ValueError when the block itself cannot be adjusted or shapes do not fit.
     """
     count = len(image_points)
     _check_shapes(block, image_points, coordinates)

@@ -45,6 +45,10 @@ class _Stations:
         return True
 
     @property
+    def coupled(self) -> tuple[str, ...]:
+        return ()
+
+    @property
     def strips(self) -> tuple[str, ...]:
         """The strip of every image."""
         return self.strip or ("1",) * len(self.image_ids)

@@ -8,8 +8,9 @@ Object coordinates are reduced to `origin`, which keeps digits in large national
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 import numpy.typing as npt
@@ -44,6 +45,9 @@ class Unknowns:
     """(3) the reduction of object coordinates, m"""
     further: tuple[tuple[str, str], ...] = ()
     """owner and name of the unknowns that further observations bring along; they stand behind the last AP set"""
+    coupled: Indices = field(default_factory=lambda: np.empty(0, dtype=np.intp))
+    """(q) coordinates, counted three a point, that further observations tie to those of other points: they are not
+    eliminated, but stand behind the further unknowns; their old places in x stay empty and are not free"""
 
     @classmethod
     def of(
@@ -52,8 +56,9 @@ class Unknowns:
         model: ApModel | Mapping[str, ApModel],
         ap_by: Mapping[str, str] | None = None,
         further: tuple[tuple[str, str], ...] = (),
+        coupled: Sequence[str] = (),
     ) -> Unknowns:
-        """ap_by: the id of the AP set of every image id; None: one set a camera.
+        """ap_by: the id of the AP set of every image id; None: one set a camera. coupled: ids of points.
 
         Raises KeyError when `model` is a mapping that lacks a camera of the block or ap_by one that lacks an image,
         and ValueError when ap_by lets images of two cameras share a set.
@@ -69,15 +74,31 @@ class Unknowns:
             count = len(chosen.parameters)
             sets.append(ApSet(set_id, chosen, slice(start, start + count)))
             start += count
-        start += len(further)
+        tied = np.isin(block.points.ids, list(coupled))[:, None] & ~block.points.fixed
+        start += len(further) + int(tied.sum())
         free = np.ones(start + 3 * len(block.points), dtype=bool)
-        free[start:] = ~block.points.fixed.ravel()
-        return cls(block, tuple(sets), image_set, free, _origin(block), further)
+        free[start:] = ~(block.points.fixed | tied).ravel()
+        return cls(block, tuple(sets), image_set, free, _origin(block), further, np.flatnonzero(tied))
 
     @property
     def orientation(self) -> int:
         """The number of orientation unknowns, and the place of the first coordinate in x."""
-        return 6 * len(self.block.images) + sum(len(s.model.parameters) for s in self.sets) + len(self.further)
+        parameters = sum(len(s.model.parameters) for s in self.sets)
+        return 6 * len(self.block.images) + parameters + len(self.further) + len(self.coupled)
+
+    @cached_property
+    def places(self) -> Indices:
+        """(3 n) the place in x of every coordinate."""
+        places = self.orientation + np.arange(3 * len(self.block.points))
+        places[self.coupled] = self.orientation - len(self.coupled) + np.arange(len(self.coupled))
+        return places
+
+    @cached_property
+    def held(self) -> npt.NDArray[np.bool_]:
+        """(n, 3): coordinates that are not eliminated, because they are fixed or coupled."""
+        held = self.block.points.fixed.copy()
+        held.ravel()[self.coupled] = True
+        return held
 
     @property
     def count(self) -> int:
@@ -89,8 +110,14 @@ class Unknowns:
         return x[: 6 * len(self.block.images)].reshape(-1, 6)
 
     def points(self, x: Floats) -> Floats:
-        """(n, 3) view of x, reduced."""
+        """(n, 3) view of x, reduced; a copy where coordinates are coupled."""
+        if len(self.coupled):
+            return np.asarray(x[self.places].reshape(-1, 3))
         return x[self.orientation :].reshape(-1, 3)
+
+    @property
+    def _further_start(self) -> int:
+        return self.orientation - len(self.coupled) - len(self.further)
 
     def name(self, index: int) -> str:
         """The name of unknown `index`, such as "Z0 of image sww-1"."""
@@ -103,8 +130,11 @@ class Unknowns:
         for s in self.sets:
             if s.columns.start <= index < s.columns.stop:
                 return f"{s.model.parameters[index - s.columns.start]} of camera {s.id}"
-        if index >= self.orientation - len(self.further):
-            owner, name = self.further[index - self.orientation]
+        if index >= self.orientation - len(self.coupled):
+            at = int(self.coupled[index - self.orientation])
+            return f"{POINT_NAMES[at % 3]} of point {self.block.points.ids[at // 3]}"
+        if index >= self._further_start:
+            owner, name = self.further[index - self._further_start]
             return f"{name} of {owner}"
         raise IndexError(index)
 
@@ -113,12 +143,12 @@ class Unknowns:
         if name in EXTERIOR_NAMES and owner in self.block.images.ids:
             return 6 * self.block.images.ids.index(owner) + EXTERIOR_NAMES.index(name)
         if name in POINT_NAMES and owner in self.block.points.ids:
-            return self.orientation + 3 * self.block.points.ids.index(owner) + POINT_NAMES.index(name)
+            return int(self.places[3 * self.block.points.ids.index(owner) + POINT_NAMES.index(name)])
         for s in self.sets:
             if s.id == owner and name in s.model.parameters:
                 return int(s.columns.start + s.model.parameters.index(name))
         if (owner, name) in self.further:
-            return self.orientation - len(self.further) + self.further.index((owner, name))
+            return self._further_start + self.further.index((owner, name))
         raise KeyError(f"no unknown {name!r} of {owner!r} in this adjustment")
 
 

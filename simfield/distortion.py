@@ -68,7 +68,7 @@ class DrawnFilm:
 
     def displacement(self, xy_mm: Floats, image: Indices) -> Floats:
         """(k, 2) mm at xy (k, 2) mm in the images (k)."""
-        return np.asarray((self.coefficients[image] @ film_monomials(xy_mm)[:, :, None])[:, :, 0])
+        return np.asarray(np.einsum("kcj,kj->kc", self.coefficients[image], film_monomials(xy_mm)))
 
     def effects(self, plan: FlightPlan) -> tuple[EffectOn, ...]:
         """The same, image by image, without the images that have none."""

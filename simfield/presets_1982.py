@@ -40,7 +40,7 @@ def _lenses(rc8r: float, rmk_ar: float) -> tuple[EffectOn, ...]:
     """Both lenses and the film deformation that all images of a camera share; the lenses times their amplitudes."""
     return (
         EffectOn(RadialPolynomial(rc8r * -1.65e-8, rc8r * 1.4e-13, rc8r * 6.5e-18, r0_mm=100.0), camera="rc8r"),
-        EffectOn(Decentering(p1=rc8r * -6.5e-7), camera="rc8r"),
+        EffectOn(Decentering(p1=rc8r * -6.7e-7), camera="rc8r"),
         EffectOn(RadialPolynomial(rmk_ar * -0.6e-8, rmk_ar * 2.0e-13, r0_mm=100.0), camera="rmk-ar"),
         EffectOn(Decentering(rmk_ar * -3.0e-7, rmk_ar * 5.7e-7), camera="rmk-ar"),
         EffectOn(FilmAffine(d=1.4e-5), camera="rc8r"),
@@ -62,7 +62,7 @@ RHEIDT_1982 = Scenario(
     control=Control("dense"),
     cameras=(RC8R, RMK_AR),
     flights=(*_flights("rc8r"), *_flights("rmk-ar")),
-    effects=_lenses(1.0, 1.05),
+    effects=_lenses(0.99, 1.05),
     film=FILM,
     noise=Noise(image_um={"rc8r": 3.5, "rmk-ar": 4.3}, assumed_um=5.0, geodetic_mm=9.0),
 )
@@ -74,6 +74,6 @@ JAMIJARVI_1982 = replace(
     name="ziemann-jamijarvi",
     field=RegularGrid(18, 18, 2000.0 / 17.0, relief=Relief(mean_m=120.0, sigma_m=3.0)),
     flights=tuple(replace(f, ground_height_m=120.0) for f in RHEIDT_1982.flights),
-    effects=_lenses(0.57, 0.86),
+    effects=_lenses(0.56, 0.86),
     noise=Noise(image_um={"rc8r": 2.2, "rmk-ar": 3.35}, assumed_um=5.0, geodetic_mm=4.0),
 )

@@ -99,43 +99,42 @@ def dask_cluster(
         client: Any = client_of(scheduler, timeout=10, set_as_default=False)
     except (OSError, TimeoutError, ValueError) as error:
         raise BackendError(f"no dask scheduler at {scheduler}: {str(error).splitlines()[0]}") from None
-    by_key = {}
     try:
-        futures = client.map(work, tasks, pure=False, retries=1, batch_size=None)
-        by_key = dict(zip((f.key for f in futures), tasks, strict=True))
-        waiting = set(futures)
-        ends = time.monotonic() + _patience(tasks, trial_limit_s, client)
+        waiting = client.map(work, tasks, pure=False, retries=1, batch_size=None)
+        by_key = dict(zip((f.key for f in waiting), tasks, strict=True))
+        patience = max((task_limit_s(task, trial_limit_s) for task in tasks), default=trial_limit_s)
+        ends = time.monotonic() + patience
         while waiting:
             _refuse_lost(client, scheduler)
-            finished = {f for f in waiting if f.done()}
+            finished = [f for f in waiting if f.done()]
             if any(f.cancelled() for f in finished):  # nobody else cancels: the scheduler has gone
                 raise BackendError(f"the dask scheduler at {scheduler} is lost")
-            if not finished:
-                time.sleep(LOOK_EVERY_S)
+            time.sleep(0.0 if finished else LOOK_EVERY_S)
             if finished:
-                ends = time.monotonic() + _patience(tasks, trial_limit_s, client)
+                ends = time.monotonic() + patience
             elif time.monotonic() > ends:
                 client.cancel(list(waiting), force=True)
                 yield Broken(tuple(by_key[f.key] for f in waiting))
                 return
-            waiting -= finished
-            for future in finished:
-                yield _outcome(future, by_key[future.key])
+            # what is finished is forgotten at once: a cluster computes again what a dying worker had kept for us
+            waiting = [f for f in waiting if f not in finished]
+            answers = [_outcome(f, by_key[f.key]) for f in finished]
+            finished.clear()
+            yield from answers
     finally:
         with contextlib.suppress(Exception):
             client.close(timeout=5)
-
-
-def _patience(tasks: Sequence[BlockTask], trial_limit_s: float, client: Any) -> float:
-    return max(task_limit_s(task, trial_limit_s) for task in tasks)
 
 
 def _outcome(future: Any, task: BlockTask) -> int | Broken:
     from distributed.scheduler import KilledWorker
 
     if future.status == "finished":
-        return int(future.result())
-    error = future.exception() if future.status == "error" else None
+        return len(task)  # the shard is on the disk; to fetch a result from a worker that has died would take for ever
+    try:
+        error = future.exception(timeout=LOST_SCHEDULER_S)
+    except TimeoutError:
+        return Broken((task,))
     if error is None or isinstance(error, KilledWorker):
         return Broken((task,))
     raise error

@@ -1,4 +1,4 @@
-"""The commands of the measurement chain: reduce, and what `simulate --raw` does."""
+"""The commands of the measurement chain: reduce and budget."""
 
 from __future__ import annotations
 
@@ -14,6 +14,7 @@ REDUCTIONS = ("drift", "comparator", "lens", "refraction", "curvature")
 def register(main: click.Group) -> None:
     """Add the commands of this module."""
     main.add_command(reduce)
+    main.add_command(budget)
 
 
 @click.command()
@@ -29,9 +30,7 @@ def register(main: click.Group) -> None:
 @click.option("--reseau", type=click.IntRange(1, 5), help="Degree of the reseau correction.  [default: none]")
 @click.option("--without", type=click.Choice(REDUCTIONS), multiple=True, help="A reduction to leave out.")
 @click.option("--threshold", type=click.FloatRange(0.0), default=15.0, show_default=True, help="Double settings, um.")
-def reduce(
-    raw: Path, folder: Path, inner: str, reseau: int | None, without: tuple[str, ...], threshold: float
-) -> None:
+def reduce(raw: Path, folder: Path, inner: str, reseau: int | None, without: tuple[str, ...], threshold: float) -> None:
     """Reduce comparator coordinates (`simfield simulate --raw`) to a block folder; say what was removed."""
     from simfield.block_folder import BlockFolderError
     from studies.reduction import Plan, reduce_folder
@@ -41,6 +40,19 @@ def reduce(
     try:
         click.echo(reduce_folder(raw, folder, plan))
     except (BlockFolderError, ValueError) as error:
-        failure = click.ClickException(str(error))
-        failure.exit_code = 1
-        raise failure from error
+        raise click.ClickException(str(error)) from error
+
+
+@click.command()
+@click.option("--out", type=FOLDER, default=Path("results/error-budget"), show_default=True, help="Folder to write.")
+@click.option("--trials", type=click.IntRange(2), default=100, show_default=True, help="Measured flights a stage.")
+@click.option("--seed", type=click.IntRange(0), default=1980, show_default=True, help="Seed of all that is random.")
+def budget(out: Path, trials: int, seed: int) -> None:
+    """Say how much every stage of the measurement chain puts into images and check points."""
+    from studies import error_budget_page
+
+    try:
+        for path in error_budget_page.write(out, trials, seed):
+            click.echo(path)
+    except (ArithmeticError, ValueError, OSError) as error:
+        raise click.ClickException(str(error)) from error

@@ -21,13 +21,11 @@ Try = Callable[[BlockTask], object]
 """computes a block and writes nothing"""
 
 
-def compute_alone(task: BlockTask, work: Work, attempt: Try, trial_limit_s: float) -> dict[int, str]:
-    """Finish a block whatever its trials do; the trials that were given up, with "crashed" or "timeout".
+def compute_without_culprits(task: BlockTask, work: Work, attempt: Try, trial_limit_s: float) -> dict[int, str]:
+    """Finish a block that failed even alone; the trials that were given up, with "crashed" or "timeout".
 
     Raises OSError if the shard cannot be written and BackendError if the block fails even without its culprits.
     """
-    if _in_process(work, task, task_limit_s(task, trial_limit_s)) is None:
-        return {}
     lost = _culprits(task, attempt, trial_limit_s)
     fate = _in_process(work, replace(task, lost={**task.lost, **lost}), task_limit_s(task, trial_limit_s))
     if fate is not None:

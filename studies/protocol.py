@@ -98,13 +98,21 @@ def datum(a: Adjustment) -> Record:
     p = a.block.points
     if isinstance(a, FreeAdjustment):
         ids = [p.ids[row] for row in a.datum_rows]
-        return {"by": "inner constraints", "points": ids, "fixed": {}, "weighted": {}, "rank_defect": MOTIONS}
+        return {
+            "by": "inner constraints",
+            "points": ids,
+            "fixed": {},
+            "weighted": {},
+            "rank_defect": MOTIONS,
+            "further": [],
+        }
     return {
         "by": "control",
         "points": [name for name, row in zip(p.ids, p.fixed | p.weighted, strict=True) if row.any()],
         "fixed": {name: int(p.fixed[:, i].sum()) for i, name in enumerate(POINT_NAMES)},
         "weighted": {name: int(p.weighted[:, i].sum()) for i, name in enumerate(POINT_NAMES)},
         "rank_defect": 0,
+        "further": [group.name for group in a.groups.further],
     }
 
 

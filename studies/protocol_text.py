@@ -81,6 +81,8 @@ def _datum(found: Record) -> Iterator[str]:
     if datum["rank_defect"]:
         yield f"rank defect {datum['rank_defect']}: shift, rotation and scale of the block, taken up by the constraints"
         return
+    if datum["further"]:
+        yield "further observations: " + ", ".join(datum["further"])
     for kind in ("fixed", "weighted"):
         yield f"{kind:<8} coordinates: " + ", ".join(f"{n} {axis}" for axis, n in datum[kind].items())
 

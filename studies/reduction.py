@@ -1,4 +1,4 @@
-"""From the measured file to a block: which reductions are applied is the study's choice, so that one can be left out."""
+"""From the measured file to a block: the study chooses which reductions are applied, so that one can be left out."""
 
 from __future__ import annotations
 
@@ -53,7 +53,8 @@ def reduce(raw: Raw, plan: Plan | None = None) -> ReducedBlock:
     b, o = raw.block, raw.block.observations
     double = reductions.double_measurement(raw.settings, plan.threshold_um)
     marks = reductions.double_measurement(raw.mark_settings, plan.threshold_um).mean
-    xy, removed, m = double.mean, {}, len(b.images)
+    xy, m = double.mean, len(b.images)
+    removed: dict[str, Floats] = {}
     if plan.drift:
         found = reductions.drift(marks, raw.mark_image, raw.mark, raw.mark_time, m)
         marks = found.removed_from(marks, raw.mark_image, raw.mark_time).xy
@@ -145,7 +146,10 @@ def reduce_folder(raw_folder: Path, folder: Path, plan: Plan) -> str:
     lines += [f"  {name:<18} {value:8.2f} um removed (rms of a coordinate)" for name, value in done.rms_um.items()]
     if np.isfinite(done.double.sigma_um):
         doubtful = int(done.double.doubtful.sum())
-        lines.append(f"  one setting        {done.double.sigma_um:8.2f} um, {doubtful} differences beyond {plan.threshold_um:g} um")
+        lines.append(
+            f"  one setting        {done.double.sigma_um:8.2f} um, {doubtful} differences beyond "
+            f"{plan.threshold_um:g} um"
+        )
     sigma = done.inner.sigma0_um
     if np.isfinite(sigma).any():
         lines.append(f"  fiducial residuals {np.sqrt(np.nanmean(sigma**2)):8.2f} um ({done.inner.kind})")

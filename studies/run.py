@@ -137,7 +137,12 @@ def finish(tasks: Sequence[BlockTask], plan: Plan, store: Store, how: How, say: 
         if isinstance(answer, Broken):
             for task in answer.tasks:
                 say(f"condition {task.condition.id}, block {task.block}: its worker died or did not end; tried alone")
-                lost = isolation.compute_alone(task, work, attempt, how.trial_limit_s)
+            for again in isolation.in_order(answer.tasks, work, how.trial_limit_s):
+                if isinstance(again, int):
+                    yield again
+                    continue
+                task = again.tasks[0]
+                lost = isolation.compute_without_culprits(task, work, attempt, how.trial_limit_s)
                 for trial, fate in lost.items():
                     store.mark_failed(task.condition.id, trial, {"status": fate, "trial": trial})
                 yield len(task)

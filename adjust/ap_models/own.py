@@ -6,8 +6,10 @@ import hashlib
 import importlib
 import importlib.util
 import sys
+from collections.abc import Mapping
 from pathlib import Path
 from types import ModuleType
+from typing import Any
 
 from adjust.ap_models.model import ApModel
 
@@ -24,7 +26,15 @@ def own_model(reference: str) -> type[ApModel]:
         raise KeyError(f"{reference}: {place} has no class {name!r}")
     if not (isinstance(found, type) and issubclass(found, ApModel)):
         raise KeyError(f"{reference}: {name} is no subclass of adjust.ApModel")
+    if place.endswith(".py"):
+        # another process cannot import the class by name; it loads the file again
+        again = f"{Path(place).resolve()}:{name}"
+        setattr(found, "__reduce__", lambda model: (_remade, (again, model.settings)))  # noqa: B010
     return found
+
+
+def _remade(reference: str, settings: Mapping[str, Any]) -> ApModel:
+    return own_model(reference)(**settings)
 
 
 def _from_path(place: str) -> ModuleType:

@@ -29,7 +29,7 @@ def double_measurement(settings: Floats, threshold_um: float = 15.0) -> DoubleMe
     if settings.ndim != 3 or settings.shape[1] not in (1, 2):
         raise ValueError(f"needed are one or two settings of every point, found the shape {settings.shape}")
     difference = settings[:, -1] - settings[:, 0]
-    doubtful = (np.abs(difference) > threshold_um / 1000.0).any(axis=1)
+    doubtful = np.asarray((np.abs(difference) > threshold_um / 1000.0).any(axis=1))
     sound = difference[~doubtful]
     single = settings.shape[1] == 1 or not sound.size
     sigma = float("nan") if single else 1000.0 * float(np.sqrt(0.5 * np.mean(sound**2)))

@@ -107,7 +107,7 @@ def _transformed(kind: Kind, p: Floats, xy: Floats) -> Floats:
         below = p[:, 6] * x + p[:, 7] * y + 1.0
         above = np.stack([p[:, 0] * x + p[:, 1] * y + p[:, 2], p[:, 3] * x + p[:, 4] * y + p[:, 5]], axis=1)
         return np.asarray(above / below[:, None])
-    return np.einsum("kap,kp->ka", _design(kind, xy), p)
+    return np.asarray(np.einsum("kap,kp->ka", _design(kind, xy), p))
 
 
 def _projective(xy: Floats, calibrated: Floats, image: Indices, images: int) -> Floats:

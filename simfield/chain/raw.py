@@ -22,9 +22,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from simfield import block_folder
-from simfield.block import Block, Floats, ImageObservations, Indices
+from simfield.block import Block, Floats, ImageObservations, Images, Indices
 from simfield.csv_table import BlockFolderError, CsvTable, read_table
 from simfield.simulate import World
+from simfield.simulate import _points as given_points
 from simfield.streams import stream
 
 if TYPE_CHECKING:
@@ -69,7 +70,7 @@ class Raw:
     def of(cls, prepared: Prepared, settings: Floats, kept: Any, point: Indices, trial: int) -> Raw:
         """The measured file of a trial: kept (k) what was measured, point (k) under which name."""
         world, chain, k = prepared.world, prepared.chain, prepared.count
-        block, _ = world.observe(trial)
+        block = _frame(world, trial)
         o = block.observations
         means = settings.mean(axis=1)
         observations = ImageObservations(o.image[kept], point[kept], means[:k][kept], o.sigma[kept])
@@ -98,6 +99,19 @@ class Raw:
                 if lens.radial is not None
             },
         )
+
+
+def _frame(world: World, trial: int) -> Block:
+    """Cameras, approximate orientations and given points of a trial, with image coordinates yet to be measured."""
+    plan = world.plan
+    camera_ids = [c.camera_id for c in world.scenario.cameras]
+    assumed = world.scenario.noise.assumed_sigma_mm(plan.camera_ids)[world.image]
+    return Block(
+        tuple(c.as_block_camera() for c in world.scenario.cameras),
+        Images(plan.image_ids, np.array([camera_ids.index(c) for c in plan.camera_ids]), world.start),
+        given_points(world, trial),
+        ImageObservations(world.image, world.point, world.distorted, np.column_stack([assumed, assumed])),
+    )
 
 
 def calibrated_marks(world: World, prepared: Prepared, camera_id: str) -> Floats:

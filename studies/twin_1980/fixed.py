@@ -9,8 +9,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 from scipy import optimize
 
 from simfield.block import Floats
@@ -84,7 +86,7 @@ def search(
 ) -> FixedWorld:
     """The world with the fewest terms found; random (f, 3): squares of unit noise of SWW, WW and of the survey."""
     found = [_from_one_start(published, forms, random, terms, seed, start) for start in range(starts)]
-    return max(found, key=lambda w: (sum(w.near), -len(w.terms), -float(w.sizes @ w.sizes)))
+    return max(found, key=lambda w: (w.near[0] >= KEEP_M0 and w.near[1] >= KEEP_MU, -len(w.terms), sum(w.near)))
 
 
 def _from_one_start(
@@ -104,7 +106,7 @@ def _from_one_start(
         kept, values = fewer, shorter
     values = np.round(values, 1)
     figures = _figures(values, forms[:, kept[:, None], kept], random)
-    return FixedWorld(tuple(terms[k] for k in kept), values[3:], values[:3], figures, published)
+    return FixedWorld(tuple(terms[k] for k in kept.tolist()), values[3:], values[:3], figures, published)
 
 
 def _nearest(values: Floats, published: Floats, forms: Floats, random: Floats) -> Floats:
@@ -130,8 +132,8 @@ def _figures(values: Floats, forms: Floats, random: Floats) -> Floats:
     return np.asarray(np.sqrt((forms @ values[3:]) @ values[3:] + random @ values[:3] ** 2))
 
 
-def _is_m0(figures: Floats) -> Floats:
-    return np.arange(len(figures)) % 3 == 0
+def _is_m0(figures: Floats) -> npt.NDArray[np.bool_]:
+    return np.asarray(np.arange(len(figures)) % 3 == 0)
 
 
 def _near(figures: Floats, published: Floats) -> tuple[int, int]:
@@ -159,6 +161,8 @@ def effects_of(found: FixedWorld, world: World) -> tuple[EffectOn, ...]:
         for term, size in zip(found.terms, found.sizes, strict=True):
             if term.on == on:
                 table[term.axis, term.monomial] = 1e-3 * size / REFERENCE_MM ** DEGREES[term.monomial]
+        dx: Any
+        dy: Any
         dx, dy = table.tolist()
         where = {"camera": on} if on in world.plan.camera_ids else {"flight": on}
         if any(dx[:2] + dy[:2]):

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import re
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -64,6 +66,41 @@ def test_it_is_compiled_for_replicates(model: ApModel) -> None:
     assert found.finished_by_gauss_newton == 0
     alone = adjust_block(block.replace_image_points(trials[7]), model)
     assert (np.abs(found.ap("ww")[7] - alone.ap["ww"].values) <= 1e-7 * alone.ap["ww"].std).all()
+
+
+@pytest.mark.slow
+def test_it_travels_to_other_processes(model: ApModel) -> None:
+    block = distorted(model)
+    o = block.observations
+    trials = o.xy + o.sigma * np.random.default_rng(1).standard_normal((600, *o.xy.shape))
+    here, there = (adjust_replicates(block, model, trials, jobs=jobs).trials.x for jobs in (1, 2))
+    np.testing.assert_array_equal(here, there)
+
+
+STUDY = """
+[study]
+name = "spiral"
+question = "Does a set of the user's own work?"
+seed = 1
+[scenario]
+preset = "grid-small"
+[methods]
+ap = ["none", {id = "spiral.py:Spiral", scale_mm = 90}]
+"""
+
+
+@pytest.mark.parametrize("jobs", ["1", pytest.param("2", marks=pytest.mark.slow)])
+def test_it_works_in_a_study(folder: Path, jobs: str) -> None:
+    (folder / "study.toml").write_text(STUDY, encoding="utf-8")
+    command = ["run", "study.toml", "--trials", "64", "--jobs", jobs, "--out", "results"]
+    program = [sys.executable, "-c", "from studies.cli import main; main()"]
+    run = subprocess.run([*program, *command], cwd=folder, capture_output=True, text=True, timeout=300)
+    assert run.returncode == 0, run.stderr
+    table = (folder / "results" / "summary.csv").read_text(encoding="utf-8").splitlines()
+    assert any(
+        line.startswith("spiral.py:Spiral scale_mm=90") or ",spiral.py:Spiral scale_mm=90," in line for line in table
+    )
+    assert any("bias ww.a3" in line for line in table)
 
 
 def test_it_works_on_the_command_line(folder: Path) -> None:

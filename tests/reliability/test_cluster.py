@@ -42,10 +42,8 @@ class Cluster:
         port = free_port()
         self.address = f"tcp://127.0.0.1:{port}"
         self.scheduler = start("scheduler", "--host", "127.0.0.1", "--port", str(port), "--no-dashboard", "--no-show")
-        self.workers = [
-            start("worker", self.address, "--nthreads", "1", "--no-dashboard", "--no-nanny", "--local-directory", str(folder))
-            for _ in range(2)
-        ]
+        options = ("--nthreads", "1", "--no-dashboard", "--no-nanny", "--local-directory", str(folder))
+        self.workers = [start("worker", self.address, *options) for _ in range(2)]
 
     def stop(self) -> None:
         for process in (*self.workers, self.scheduler):
@@ -109,7 +107,8 @@ def test_a_cluster_of_which_a_worker_is_killed_gives_the_same_bytes(
 @pytest.mark.slow
 @pytest.mark.filterwarnings("ignore")
 def test_a_trial_that_kills_every_worker_is_found_at_last(tmp_path: Path, cluster: Cluster) -> None:
-    outcome, _ = run_here(tmp_path / "store", backend="dask", scheduler=cluster.address, draw=traps.killing, trial_limit_s=10.0)
+    how = {"backend": "dask", "scheduler": cluster.address, "draw": traps.killing, "trial_limit_s": 10.0}
+    outcome, _ = run_here(tmp_path / "store", **how)
     assert sum("crashed" in line for line in outcome.failures) >= 1
 
 

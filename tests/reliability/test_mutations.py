@@ -14,9 +14,11 @@ from tests.studies.small_study import TEXT
 
 SEEDS = (TEXT, *((shipped.FOLDER / f"{name}.toml").read_text(encoding="utf-8") for name in shipped.names()))
 WORDS = (
-    *("nan", "inf", "-1", "0", "1e999", "9" * 25, "true", '"x"', "[]", "{}", "[[1]]", "1979-05-27", "{ a = 1 }", '"\\u0000"'),
-    *("[grid]", "[[zip]]", "[study]", "[methods]", "[scenario.changes]", "ap = 3", "=", '"""', "flights[*].scale", "..", "#"),
+    *("nan", "inf", "-1", "0", "1e999", "9" * 25, "true", '"x"', "[]", "{}", "[[1]]", "1979-05-27", "{ a = 1 }"),
+    *('"\\u0000"', "[grid]", "[[zip]]", "[study]", "[methods]", "[scenario.changes]", "ap = 3", "=", '"""', ".."),
+    *("flights[*].scale", "#"),
 )
+CHARACTERS = "\0\t\"'[]{\ufeff\U0001f600abc019.,=-_ "
 Mutation = Callable[[random.Random, str], str]
 
 
@@ -47,7 +49,7 @@ def swapped_value(chance: random.Random, text: str) -> str:
 
 def character(chance: random.Random, text: str) -> str:
     place = chance.randrange(len(text))
-    return text[:place] + chr(chance.choice((0, 9, 34, 39, 91, 93, 123, 0xFEFF, 0x1F600, chance.randrange(32, 127)))) + text[place:]
+    return text[:place] + chance.choice(CHARACTERS) + text[place:]
 
 
 def try_one(chance: random.Random) -> bool:
@@ -59,9 +61,7 @@ def try_one(chance: random.Random) -> bool:
     try:
         study_from_text(text)
     except StudyError as error:
-        assert str(error).strip()
-        assert "Traceback" not in str(error)
-        return False
+        return not str(error).strip()  # a refusal without words would be no refusal
     return True
 
 

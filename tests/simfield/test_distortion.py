@@ -68,6 +68,14 @@ def test_film_of_single_images_as_array_and_as_effects_agree():
     np.testing.assert_allclose(film.displacement(xy, image), systematic(effects, PLAN, image)(xy), atol=1e-16)
 
 
+def test_bilinear_film_has_its_term_alone():
+    film = draw_film([FilmVariation("ww", "bilinear", 5.0)], PLAN, 5, 0)
+    own = np.array(PLAN.camera_ids) == "ww"
+    assert (film.coefficients[own][:, :, 3] != 0.0).all()
+    assert (film.coefficients[:, :, [0, 1, 2, 4]] == 0.0).all()
+    assert (film.coefficients[~own] == 0.0).all()
+
+
 def test_film_varies_as_said():
     plan = plan_flights([Flight("a", "ww", 1e4, images_per_strip=400, forward_overlap=0.9)], [WW])
     coefficients = draw_film([FilmVariation("ww", "affine", 8.0)], plan, 6, 0).coefficients[:, :, :2]

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from adjust import adjust_block, ap_models
-from studies.detection import Share, detection, error_free
+from studies.detection import Share, detection, error_free, many_at_once
 from tests import synthetic
 
 MODEL = ap_models.get("optical")
@@ -44,3 +44,13 @@ def test_a_block_that_cannot_be_adjusted(ww_world: synthetic.World) -> None:
 def test_a_share_of_nothing_has_an_error() -> None:
     assert Share(0, 100).mcse > 0.0
     assert Share(50, 100).mcse == pytest.approx(0.05, rel=0.05)
+
+
+def test_many_at_once(ww_world: synthetic.World) -> None:
+    block = ww_world.with_noise(np.random.default_rng(1)).block
+    found = many_at_once(block, MODEL, 0.02, 3, 5).set_index("method")
+    assert list(found.index) == ["none", "data snooping", "Huber", "Danish", "Cauchy"]
+    assert found.loc["none", "found"] == 0.0
+    assert (found["found"].iloc[1:] > 0.9).all()
+    assert (found["accused_wrongly"] < 0.02).all()
+    assert found.loc["data snooping", "point_rms_m"] < found.loc["none", "point_rms_m"]

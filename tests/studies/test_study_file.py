@@ -116,9 +116,10 @@ def test_a_grid_is_counted_before_it_is_built() -> None:
 def test_conditions_are_grid_times_zip_minus_exclude_plus_include() -> None:
     made = study(
         TEXT,
-        ("[methods]", "[[zip]]\nscale = [9000.0, 10000.0]\nsidelap = [0.2, 0.3]\n[[exclude]]\nnoise_um = 6\nscale = 9000\n"
-        "[[include]]\nnoise_um = 9.0\nscale = 9500.0\nsidelap = 0.25\n[methods]"),
-    )  # fmt: skip
+        ("[methods]", "[[zip]]\nscale = [9000.0, 10000.0]\nsidelap = [0.2, 0.3]\n[methods]"),
+        ("[methods]", "[[exclude]]\nnoise_um = 6\nscale = 9000\n[methods]"),
+        ("[methods]", "[[include]]\nnoise_um = 9.0\nscale = 9500.0\nsidelap = 0.25\n[methods]"),
+    )
     found = [tuple(c.levels.values()) for c in conditions_of(made)]
     assert found == [(3.0, 9000.0, 0.2), (3.0, 10000.0, 0.3), (6.0, 10000.0, 0.3), (9.0, 9500.0, 0.25)]
     scenarios = [c.scenario for c in conditions_of(made)]

@@ -1,0 +1,45 @@
+"""The error budget: stages that a reduction undoes leave nothing, and squares of single stages make up the whole."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from adjust import ap_models
+from simfield import presets
+from simfield.chain import chains
+from studies.error_budget import EVERYTHING, Budget, stages, table
+from studies.reduction import Plan
+
+TRIALS = 8
+UNDONE = ["refraction", "earth curvature", "comparator"]
+
+
+@pytest.fixture(scope="module")
+def found():
+    budget = Budget(presets["rheidt-1980-film"], chains["psk-1969"], Plan("helmert"), ap_models.get("brown14"))
+    assert list(stages(budget))[-1] == EVERYTHING
+    return table(budget, TRIALS, 1980).set_index("stage")
+
+
+def test_what_a_reduction_undoes_leaves_nothing(found):
+    assert (found.loc[UNDONE, "put_in_um"] > 1.0).all()
+    assert (found.loc[UNDONE, ["left_um", "m0_um", "mu_xy_mm", "mu_z_mm"]].abs() < 1e-3).all(axis=None)
+
+
+def test_air_puts_in_what_the_literature_says(found):
+    # rms over the format of curves that reach 5.4 um at 100 mm (curvature), 2.4 um (refraction), Rheidt, wide angle
+    assert 3.0 < found.loc["earth curvature", "put_in_um"] < 8.0
+    assert 1.0 < found.loc["refraction", "put_in_um"] < 2.5
+
+
+@pytest.mark.parametrize("name", ["left_um", "mu_xy_mm", "mu_z_mm"])
+def test_squares_of_single_stages_add_up(found, name):
+    parts = np.sqrt((found[name].drop(EVERYTHING) ** 2).sum())
+    # mu of a trial scatters by 15 %, TRIALS of them by 5 %
+    assert abs(parts / found.loc[EVERYTHING, name] - 1.0) < 0.2
+
+
+def test_noise_is_in_the_residuals(found):
+    assert found.loc["image noise", "m0_um"] == pytest.approx(4.0, rel=0.05)
+    assert (found["n"] == TRIALS).all()
