@@ -1,8 +1,8 @@
 """The part of the inverse of a banded matrix that lies inside the band (Takahashi, Fagan & Chin 1973).
 
 With B = L L^T, Z = B^-1, a block column J of L and the rows R below it inside the band, X = L_RJ L_JJ^-1:
-Z_RJ = -Z_RR X and Z_JJ = (L_JJ L_JJ^T)^-1 + X^T Z_RR X, from the last columns to the first. Only a window of Z as wide as
-the band is ever held as a dense matrix.
+Z_RJ = -Z_RR X and Z_JJ = (L_JJ L_JJ^T)^-1 + X^T Z_RR X, from the last columns to the first. Only a window of Z as wide
+as the band is ever held as a dense matrix.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ COLUMNS = 48
 
 
 def band_of_inverse(band: Floats) -> Floats:
-    """(size, w): element [c, r - c] is Z[r, c], from the Cholesky factor `band` (w, size) in LAPACK's lower band form."""
+    """(size, w): element [c, r - c] is Z[r, c], from the Cholesky factor `band` (w, size) in LAPACK's lower form."""
     width, size = band.shape
     inverse = np.zeros((size, width))
     window = np.zeros((0, 0))

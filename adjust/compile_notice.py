@@ -29,4 +29,4 @@ class _Notice(event.Listener):
 
 def install() -> None:
     """Watch numba's compilations from now on."""
-    event.register("numba:compile", _Notice())
+    event.register("numba:compile", _Notice())  # type: ignore[no-untyped-call]

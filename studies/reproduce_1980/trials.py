@@ -1,7 +1,7 @@
 """Many flights over one geometry: the 18 adjustments of Table 1 for each trial.
 
-A trial depends on seed and number alone, and each row is computed by itself, so the result is the same for any number of
-processes.
+A trial depends on seed and number alone, and each row is computed by itself, so the result is the same for any number
+of processes.
 """
 
 from __future__ import annotations

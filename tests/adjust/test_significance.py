@@ -44,6 +44,22 @@ class TestRestricted:
     def test_it_can_be_compiled(self) -> None:
         assert len(Trace.of(Restricted(MODEL, ("a3",))).parts) == 1
 
+    def test_of_a_set_that_is_not_linear(self) -> None:
+        """Parameters that are left out are 0, and only the others have derivatives."""
+        whole = ap_models.get("brown1971")
+        part = without(whole, *whole.parameters[1::2])
+        x, y = np.array([10.0, -80.0]), np.array([5.0, 60.0])
+        values = 1e-5 * np.arange(1.0, 1.0 + len(part.parameters))
+        padded = np.zeros(len(whole.parameters))
+        padded[::2] = values
+        d, derivatives = whole.evaluate(x, y, padded)
+        found, by_kept = part.evaluate(x, y, values)
+        np.testing.assert_array_equal(found, d)
+        np.testing.assert_array_equal(by_kept, derivatives[:, :, ::2])
+        assert part.linear == whole.linear
+        assert part.principal_distance in ("", whole.principal_distance)
+        assert set(part.why_not_estimable) <= set(part.parameters)
+
     def test_unknown_names(self) -> None:
         with pytest.raises(ValueError, match="torlegard has no parameter 'b1', it has: a1"):
             Restricted(MODEL, ("b1",))
