@@ -78,7 +78,7 @@ class Adjustment:
 
     @property
     def regular(self) -> Adjustment:
-        """The adjustment with regular normal equations that has the same residuals: this one, unless the datum is free."""
+        """The adjustment with regular normal equations and the same residuals: this one, unless the datum is free."""
         return self
 
     @cached_property
