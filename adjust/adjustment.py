@@ -10,6 +10,7 @@ import numpy as np
 
 from adjust.normals import SingularError
 from adjust.observations import Observations
+from adjust.one_thread import one_thread
 from adjust.precision import Cofactors
 from adjust.solve import Arithmetic
 from adjust.status import Status
@@ -115,7 +116,8 @@ class Adjustment:
         if not self.status.ok:
             raise ValueError(f"no cofactors: {self.message}")
         try:
-            return Cofactors(self.layout, self.arithmetic.factorise(self.arithmetic.at(self.x)))
+            with one_thread():
+                return Cofactors(self.layout, self.arithmetic.factorise(self.arithmetic.at(self.x)))
         except SingularError as error:
             raise ValueError("no cofactors: the normal equations are singular at the estimate") from error
 
@@ -124,7 +126,8 @@ class Adjustment:
         """The standard deviation of every unknown in the layout of x."""
         if not self.status.ok:
             return np.full(len(self.x), np.nan)
-        return np.asarray(self.sigma0 * np.sqrt(self.cofactors.diagonal))
+        with one_thread():
+            return np.asarray(self.sigma0 * np.sqrt(self.cofactors.diagonal))
 
     @cached_property
     def exterior(self) -> Floats:

@@ -16,6 +16,7 @@ from adjust.determinability import judged
 from adjust.further import Group, unknowns_of
 from adjust.normals import Plain
 from adjust.observations import Observations
+from adjust.one_thread import one_thread
 from adjust.solve import Arithmetic, Solution, solve
 from adjust.status import Status
 from adjust.unknowns import Unknowns
@@ -57,7 +58,8 @@ def adjust_block(
         return _without_datum(block, model, str(error))
     tied = [point for group in observations for point in group.coupled]
     unknowns = Unknowns.of(block, model, ap_by, names, tied)
-    with np.errstate(all="ignore"):  # what is not finite ends with a status, not with a warning
+    # what is not finite ends with a status, not with a warning
+    with np.errstate(all="ignore"), one_thread():
         groups = Observations.of(block, unknowns, observations)
         arithmetic = Compiled(groups) if compiled else Plain(groups)
         solution = _checked_solution(unknowns, groups, arithmetic)
@@ -71,7 +73,7 @@ def reweighted(a: Adjustment, weights: Floats) -> Adjustment:
     """
     groups = a.groups.with_weights(weights)
     arithmetic = Compiled(groups) if isinstance(a.arithmetic, Compiled) else Plain(groups)
-    with np.errstate(all="ignore"):
+    with np.errstate(all="ignore"), one_thread():
         return _answer(groups, solve(groups, a.x, arithmetic), arithmetic)
 
 

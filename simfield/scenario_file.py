@@ -57,7 +57,7 @@ def scenario_from_table(table: Mapping[str, Any]) -> Scenario:
     whole = given
     if "preset" in given:
         name = given.pop("preset")
-        if name not in presets:
+        if not isinstance(name, str) or name not in presets:
             raise ScenarioError(f"preset: no preset named {name!r}{nearest(name, presets)}")
         whole = _merged(scenario_as_table(presets[name]), given)
     return _checked(_with_changes(whole, changes))
