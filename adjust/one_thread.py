@@ -18,6 +18,6 @@ def _controller() -> ThreadpoolController:
 
 
 def one_thread() -> AbstractContextManager[Any]:
-    """A context in which BLAS takes one thread; the libraries are looked up once, so that entering costs microseconds."""
+    """A context in which BLAS takes one thread; the libraries are looked up once, entering it costs microseconds."""
     context: AbstractContextManager[Any] = _controller().limit(limits=1, user_api="blas")
     return context

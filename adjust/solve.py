@@ -27,6 +27,8 @@ CONTRACTION_MOST = 0.05
 """a chord step that contracts less asks for new normal equations"""
 ROUNDING = 16 * np.finfo(float).eps
 ITERATIONS_MOST = 50
+SMALL_STEP = 1e-7
+"""a step this short that lowers vPv no more moves between the last digits: without noise vPv itself is rounding"""
 NEARLY_SINGULAR = 1e-8
 """reciprocal condition at which an iteration that does not converge is laid to the normal equations"""
 HALVINGS_MOST = 12
@@ -85,6 +87,8 @@ def solve(observations: Observations, start: Floats, arithmetic: Arithmetic) -> 
         contracts = not chord or length < CONTRACTION_MOST * before
         chord = length < CHORD_BELOW and contracts and factor.condition > NEARLY_SINGULAR
         advanced = _advance(arithmetic, x, step, normals.vpv * (1.0 + 1e-12) + 1e-6 * length**2, chord)
+        if advanced is None and length <= SMALL_STEP:
+            return Solution(x, Status.CONVERGED, "", iteration)
         if advanced is None:
             return _given_up(observations, x, _stuck(observations, x + step, length), iteration, arithmetic)
         x, normals, chord = advanced
