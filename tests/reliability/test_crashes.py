@@ -114,7 +114,7 @@ def test_a_trial_that_cannot_be_simulated_is_counted(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-# two jobs are left out: the loop of kills and restarts of a pool does not end in time there, an open defect or a slow test
+# two jobs are left out: the loop of kills and restarts of a pool does not end in time there, which is not understood
 @pytest.mark.parametrize("jobs", [1])
 def test_killed_ten_times_the_run_goes_on_and_ends_with_the_same_bytes(
     tmp_path: Path, undisturbed: Path, jobs: int
