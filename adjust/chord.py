@@ -20,7 +20,8 @@ from adjust.adjustment import Adjustment
 from adjust.ap_models.model import ApModel
 from adjust.bundle import adjust_block
 from adjust.compiled_normals import Compiled
-from adjust.kernels import LANES
+from adjust.kernels import LANES, TILES
+from adjust.lanes import WIDTH
 from adjust.observations import Observations
 from adjust.precision import Cofactors
 from adjust.solve import solve
@@ -109,26 +110,33 @@ class Chord:
         return {name: value for name, value in self.__dict__.items() if name not in ("gradients", "linearised")}
 
     @cached_property
+    def s_single(self) -> npt.NDArray[np.float32]:
+        """s in single precision."""
+        return self.s.astype(np.float32)
+
+    @cached_property
     def indices(self) -> tuple[Any, Any, Any, Any]:
         """What the kernel wants to know of the image points: starts, point, weight, interior."""
         g = self.nominal.groups.image_points
-        return g.starts.astype(np.uint64), g.point.astype(np.uint64), g.weight, g.interior
+        return g.starts.astype(np.uint64), g.point, g.weight, g.interior
 
     def solve(self, image_points: Any, coordinates: Floats | None, trials: slice, room: Workspace) -> Trials:
-        """Solve at most LANES trials of image_points (t, k, 2) and coordinates (t, n, 3; None: those of the block)."""
+        """Solve at most LANES trials of image_points (t, k, 2) and coordinates (t, n, 3; None: those of the block).
+
+        room: made for these image points.
+        """
         count = trials.stop - trials.start
         coordinates = None if coordinates is None else coordinates[trials]
         vpv, iterations = np.full(LANES, np.nan), np.zeros(LANES, dtype=np.int16)
         converged = np.zeros(LANES, dtype=bool)
-        room.x[:] = room.start[:] = self.nominal.x[:, None]
-        room.y[:] = 0.0
         if self.gradients is not None:
-            _fill_lanes(image_points, trials, self.nominal.groups.image_points.order, room.xy)
-            self._give_coordinates(coordinates, room)
+            room.begin(trials)
+            if coordinates is not None:
+                self._give_coordinates(coordinates, room)
             ahead = self._step_ahead(room) if coordinates is None else np.full(LANES, np.inf)
             converged = self._iterate(room, ahead, vpv, iterations, np.arange(LANES) < count)
         solved = Trials(
-            np.ascontiguousarray(room.x[:, :count].T),
+            room.estimates[:count],
             vpv[:count],
             np.full(count, STATUSES.index(Status.CONVERGED), dtype=np.int8),
             iterations[:count],
@@ -148,15 +156,15 @@ class Chord:
                 solved.cofactors[trial] = Cofactors(self.nominal.layout, factor).diagonal
         return solved
 
-    def _give_coordinates(self, coordinates: Floats | None, room: Workspace) -> None:
-        """The reduced given coordinates into room.given, and those held fixed into room.x."""
+    def _give_coordinates(self, coordinates: Floats, room: Workspace) -> None:
+        """The reduced given coordinates (t, n, 3) into room.given, and those held fixed into room.x."""
         layout = self.nominal.layout
-        source = layout.block.points.coordinates[None] if coordinates is None else coordinates
-        rows = (source - layout.origin).reshape(len(source), -1).T
-        room.given[:, : len(source)] = rows
-        room.given[:, len(source) :] = rows[:, :1]
+        rows = (coordinates - layout.origin).reshape(len(coordinates), -1)
+        of_lanes = np.concatenate([rows, np.repeat(rows[:1], LANES - len(rows), axis=0)])
+        room.given[:] = of_lanes.reshape(TILES, WIDTH, -1).transpose(0, 2, 1)
         fixed = layout.block.points.fixed.ravel()
-        room.x[layout.orientation :][fixed] = room.start[layout.orientation :][fixed] = room.given[fixed]
+        for x in (room.x, room.start):
+            x[:, layout.orientation :][:, fixed] = room.given[:, fixed]
 
     @cached_property
     def linearised(self) -> tuple[Any, ...]:
@@ -173,9 +181,9 @@ class Chord:
         starts, point, _, _ = self.indices
         first, parameters, v, xy, jacobian, by_point = self.linearised
         kernels.first_gradient(starts, point, first, parameters, v, xy, jacobian, by_point, room.xy, room.scaled)
-        np.multiply(room.scaled, self.s[:, None], out=room.scaled, casting="same_kind")
+        np.multiply(room.scaled, self.s_single[:, None], out=room.scaled)
         np.matmul(self.correlation, room.scaled, out=room.change)
-        kernels.advance(room.change, np.ones(LANES), self.s, room.start, room.y, room.x)
+        kernels.advance(room.change, np.ones((TILES, WIDTH)), self.s, room.start, room.y, room.x)
         length = np.empty(LANES)
         kernels.longest(room.change, length)
         return length
@@ -203,7 +211,8 @@ class Chord:
             contraction = length / before
             if step > 1:
                 active &= (contraction < CONTRACTION_MOST) | (length < SMALL_STEP)
-            kernels.advance(room.change, active, self.s, room.start, room.y, room.x)
+            moving = active.astype(float).reshape(TILES, WIDTH)
+            kernels.advance(room.change, moving, self.s, room.start, room.y, room.x)
             vpv[active], iterations[active] = cost[active], step
             # the first step measures a distance, not an error: nothing is known of the contraction yet
             worst = np.maximum(worst, contraction)
@@ -220,24 +229,20 @@ class Chord:
     def _gradient(self, room: Workspace) -> tuple[Floats, Floats]:
         """A^T P v at room.x into room.gradient; returns vPv (LANES) and the least depth (LANES)."""
         layout, x = self.nominal.layout, room.x
-        images = len(layout.block.images)
-        angles = x[: 6 * images].reshape(images, 6, LANES)[:, 3:]
-        np.sin(angles, out=room.sine)
-        np.cos(angles, out=room.cosine)
         room.gradient[:] = 0.0
-        vpv, depth = np.zeros(LANES), np.full(LANES, np.inf)
+        vpv, depth = np.zeros((TILES, WIDTH)), np.full((TILES, WIDTH), np.inf)
         assert self.gradients is not None
         for number, (compiled, members, first) in enumerate(self.gradients):
             contexts, sums = room.contexts[number], room.sums[number]
-            kernels.fill_contexts(members, room.sine, room.cosine, x, first, contexts)
+            kernels.fill_contexts(members, x, first, room.turns, contexts)
             compiled(members, *self.indices, contexts, layout.orientation, room.xy, x, sums, room.gradient)
-            kernels.collect(members, sums, contexts, room.sine, room.cosine, first, room.gradient, vpv, depth)
+            kernels.collect(members, sums, contexts, room.turns, first, room.gradient, vpv, depth)
         control = self.nominal.groups.control
         if len(control.columns):
-            v = x[control.columns] - room.given[control.columns - layout.orientation]
-            room.gradient[control.columns] += control.weight[:, None] * v
+            v = x[:, control.columns] - room.given[:, control.columns - layout.orientation]
+            room.gradient[:, control.columns] += control.weight[:, None] * v
             vpv += control.weight @ v**2
-        return vpv, depth
+        return vpv.ravel(), depth.ravel()
 
     def _groups(self, xy: Floats, coordinates: Floats | None) -> tuple[Observations, Floats]:
         """The observations of one trial, and the reduced given coordinates (3n) of its points."""
@@ -261,46 +266,68 @@ class Chord:
 
 @dataclass(frozen=True, eq=False)
 class Workspace:
-    """The arrays that one block of trials after another is computed in; nothing in them outlives a block."""
+    """The arrays that one block of trials after another is computed in; nothing in them outlives a block.
+
+    Trial t of a block is lane t % WIDTH of tile t // WIDTH, the last and the first axis of all but scaled and change,
+    which are (size, LANES) for the matrix product.
+    """
 
     x: Floats
     y: Floats
     start: Floats
     gradient: Floats
     given: Floats
+    fill: Callable[[slice, Floats], None]
     scaled: npt.NDArray[np.float32]
     change: npt.NDArray[np.float32]
     xy: Floats
-    sine: Floats
-    cosine: Floats
+    turns: Floats
     contexts: tuple[Floats, ...]
     sums: tuple[Floats, ...]
 
     @classmethod
-    def of(cls, chord: Chord) -> Workspace:
-        layout = chord.nominal.layout
+    def of(cls, chord: Chord, image_points: Any) -> Workspace:
+        """For the trials of image_points (t, k, 2)."""
+        layout, nominal = chord.nominal.layout, chord.nominal
         images, size = len(layout.block.images), len(chord.nominal.x)
         widths = [len(s.model.parameters) for s in layout.sets]
+
+        def tiles(*shape: int) -> Floats:
+            return np.zeros((TILES, *shape, WIDTH))
+
         return cls(
-            x=np.empty((size, LANES)),
-            y=np.empty((size, LANES)),
-            start=np.empty((size, LANES)),
-            gradient=np.empty((size, LANES)),
-            given=np.empty((3 * len(layout.block.points), LANES)),
+            fill=_lanes_of(image_points, nominal.groups.image_points.order),
+            x=tiles(size),
+            y=tiles(size),
+            start=tiles(size) + nominal.x[:, None],
+            gradient=tiles(size),
+            given=tiles(3 * len(layout.block.points)) + (layout.block.points.coordinates - layout.origin).reshape(-1, 1),
             scaled=np.empty((size, LANES), dtype=np.float32),
             change=np.empty((size, LANES), dtype=np.float32),
-            xy=np.empty((len(layout.block.observations), 2, LANES)),
-            sine=np.empty((images, 3, LANES)),
-            cosine=np.empty((images, 3, LANES)),
-            contexts=tuple(np.empty((images, kernels.PARAMETERS + a, LANES)) for a in widths),
-            sums=tuple(np.empty((images, kernels.PULL + a, LANES)) for a in widths),
+            xy=tiles(len(layout.block.observations), 2),
+            turns=tiles(images, 2),
+            contexts=tuple(tiles(images, kernels.PARAMETERS + a) for a in widths),
+            sums=tuple(tiles(images, kernels.PULL + a) for a in widths),
         )
 
+    def begin(self, trials: slice) -> None:
+        """Fetch the image coordinates of at most LANES trials and go back to the start."""
+        self.fill(trials, self.xy)
+        for empty in range(trials.stop - trials.start, LANES):  # a lane without a trial repeats the first one
+            self.xy[empty // WIDTH, :, :, empty % WIDTH] = self.xy[0, :, :, 0]
+        self.x[:], self.y[:] = self.start, 0.0
 
-def _fill_lanes(image_points: Any, trials: slice, order: npt.NDArray[np.intp], lanes: Floats) -> None:
-    """lanes (k, 2, LANES): trials inmost, sorted by image; lanes without a trial repeat the first one."""
+    @property
+    def estimates(self) -> Floats:
+        """(LANES, size) the unknowns, a copy."""
+        return np.ascontiguousarray(self.x.transpose(0, 2, 1)).reshape(LANES, -1)
+
+
+def _lanes_of(image_points: Any, order: npt.NDArray[np.intp]) -> Callable[[slice, Floats], None]:
+    """A function that writes a slice of trials into lanes (TILES, k, 2, WIDTH), the observations sorted by image."""
     if hasattr(image_points, "fill_lanes"):
-        image_points.fill_lanes(trials, order, lanes)
-    else:
-        kernels.transpose(np.ascontiguousarray(image_points[trials], dtype=float), order, lanes)
-    lanes[:, :, trials.stop - trials.start :] = lanes[:, :, :1]
+        fill: Callable[[slice, Floats], None] = image_points.only(order).fill_lanes
+        return fill
+    return lambda trials, lanes: kernels.transpose(
+        np.ascontiguousarray(image_points[trials], dtype=float), order, lanes
+    )

@@ -30,7 +30,11 @@ TASK = 16 * LANES
 
 
 class ImagePointTrials(Protocol):
-    """Image coordinates of many trials: an array (t, k, 2), or an object that draws such slices on demand."""
+    """Image coordinates of many trials: an array (t, k, 2), or an object that draws such slices on demand.
+
+    An object that also has `only(rows)`, the same trials with these observations in this order, and `fill_lanes(trials,
+    lanes)` is asked to write trial number t of a slice into lane t % 8 of tile t // 8 of lanes (tiles, k, 2, 8).
+    """
 
     def __len__(self) -> int: ...
 
@@ -173,7 +177,7 @@ def _portion(
 
 def _solve(chord: Chord, image_points: ImagePointTrials, coordinates: Floats | None, task: slice) -> Trials:
     """Solve some trials in blocks of LANES."""
-    room = Workspace.of(chord)
+    room = Workspace.of(chord, image_points)
     with threadpool_limits(1):
         parts = [
             chord.solve(image_points, coordinates, slice(first, min(first + LANES, task.stop)), room)
