@@ -21,7 +21,7 @@ from adjust.ap_models.model import ApModel
 from adjust.bundle import adjust_block
 from adjust.compiled_normals import Compiled
 from adjust.kernels import LANES, TILES
-from adjust.lanes import WIDTH
+from adjust.lanes import WIDTH, WIDTH_SINGLE, Arena
 from adjust.observations import Observations
 from adjust.precision import Cofactors
 from adjust.solve import solve
@@ -69,9 +69,11 @@ class Trials:
 
 @dataclass(frozen=True, eq=False)
 class Chord:
-    """What all trials share: the nominal adjustment, the standard deviations s (size, 0 for what is fixed), and C."""
+    """What all trials share: the nominal adjustment, and of the unknowns that are free (f rows of x) their standard
+    deviations s (f) and correlations C (f, f)."""
 
     nominal: Adjustment
+    free: npt.NDArray[np.intp]
     s: Floats
     correlation: npt.NDArray[np.float32]
     exact_std: bool = False
@@ -82,11 +84,10 @@ class Chord:
         nominal = adjust_block(block, model)
         if not nominal.status.ok:
             raise ValueError(f"the block has no nominal adjustment, {nominal.message}")
-        everything = np.arange(len(nominal.x))
-        q = nominal.cofactors.block(everything, everything)
+        free = np.flatnonzero(nominal.cofactors.diagonal > 0.0)
+        q = nominal.cofactors.block(free, free)
         s = np.sqrt(np.diag(q))
-        inverse = np.divide(1.0, s, out=np.zeros_like(s), where=s > 0.0)
-        return cls(nominal, s, np.asarray(q * inverse * inverse[:, None], dtype=np.float32), exact_std)
+        return cls(nominal, free, s, (q / s / s[:, None]).astype(np.float32), exact_std)
 
     @cached_property
     def gradients(self) -> list[tuple[Callable[..., Any], npt.NDArray[np.uint64], int]] | None:
@@ -141,7 +142,7 @@ class Chord:
             np.full(count, STATUSES.index(Status.CONVERGED), dtype=np.int8),
             iterations[:count],
             np.where(converged[:count], CHORD, GAUSS_NEWTON).astype(np.int8),
-            np.full((count, len(self.s)), np.nan) if self.exact_std else None,
+            np.full((count, len(self.nominal.x)), np.nan) if self.exact_std else None,
         )
         left = range(count) if self.exact_std else np.flatnonzero(~converged[:count])
         for trial in left:
@@ -180,10 +181,10 @@ class Chord:
         """A first step of all trials with the nominal derivatives, in single precision; returns the steps' lengths."""
         starts, point, _, _ = self.indices
         first, parameters, v, xy, jacobian, by_point = self.linearised
-        kernels.first_gradient(starts, point, first, parameters, v, xy, jacobian, by_point, room.xy, room.scaled)
-        np.multiply(room.scaled, self.s_single[:, None], out=room.scaled)
+        kernels.first_gradient(starts, point, first, parameters, v, xy, jacobian, by_point, room.xy, room.first)
+        np.multiply(room.first.reshape(-1, LANES)[self.free], self.s_single[:, None], out=room.scaled)
         np.matmul(self.correlation, room.scaled, out=room.change)
-        kernels.advance(room.change, np.ones((TILES, WIDTH)), self.s, room.start, room.y, room.x)
+        kernels.advance(room.change, np.ones((TILES, WIDTH)), self.free, self.s, room.start, room.y, room.x)
         length = np.empty(LANES)
         kernels.longest(room.change, length)
         return length
@@ -204,7 +205,7 @@ class Chord:
         length, worst = np.empty(LANES), np.zeros(LANES)
         for step in range(1, STEPS_MOST + 1):
             cost, depth = self._gradient(room)
-            kernels.scale(room.gradient, self.s, room.scaled)
+            kernels.scale(room.gradient, self.free, self.s, room.scaled)
             np.matmul(self.correlation, room.scaled, out=room.change)
             kernels.longest(room.change, length)
             active = active & (depth > 0.0) & np.isfinite(length)
@@ -212,7 +213,7 @@ class Chord:
             if step > 1:
                 active &= (contraction < CONTRACTION_MOST) | (length < SMALL_STEP)
             moving = active.astype(float).reshape(TILES, WIDTH)
-            kernels.advance(room.change, moving, self.s, room.start, room.y, room.x)
+            kernels.advance(room.change, moving, self.free, self.s, room.start, room.y, room.x)
             vpv[active], iterations[active] = cost[active], step
             # the first step measures a distance, not an error: nothing is known of the contraction yet
             worst = np.maximum(worst, contraction)
@@ -269,7 +270,7 @@ class Workspace:
     """The arrays that one block of trials after another is computed in; nothing in them outlives a block.
 
     Trial t of a block is lane t % WIDTH of tile t // WIDTH, the last and the first axis of all but scaled and change,
-    which are (size, LANES) for the matrix product.
+    which are (f, LANES) for the matrix product.
     """
 
     x: Floats
@@ -278,6 +279,7 @@ class Workspace:
     gradient: Floats
     given: Floats
     fill: Callable[[slice, Floats], None]
+    first: npt.NDArray[np.float32]
     scaled: npt.NDArray[np.float32]
     change: npt.NDArray[np.float32]
     xy: Floats
@@ -289,26 +291,32 @@ class Workspace:
     def of(cls, chord: Chord, image_points: Any) -> Workspace:
         """For the trials of image_points (t, k, 2)."""
         layout, nominal = chord.nominal.layout, chord.nominal
-        images, size = len(layout.block.images), len(chord.nominal.x)
+        images, size, free = len(layout.block.images), len(nominal.x), len(chord.free)
         widths = [len(s.model.parameters) for s in layout.sets]
 
-        def tiles(*shape: int) -> Floats:
-            return np.zeros((TILES, *shape, WIDTH))
+        arena = Arena(64)
 
-        return cls(
+        def tiles(*shape: int) -> Floats:
+            return arena.zeros(TILES, *shape, WIDTH)
+
+        room = cls(
             fill=_lanes_of(image_points, nominal.groups.image_points.order),
             x=tiles(size),
-            y=tiles(size),
-            start=tiles(size) + nominal.x[:, None],
+            y=tiles(free),
+            start=tiles(size),
             gradient=tiles(size),
-            given=tiles(3 * len(layout.block.points)) + (layout.block.points.coordinates - layout.origin).reshape(-1, 1),
-            scaled=np.empty((size, LANES), dtype=np.float32),
-            change=np.empty((size, LANES), dtype=np.float32),
+            given=tiles(3 * len(layout.block.points)),
+            first=arena.zeros(size, TILES // 2, WIDTH_SINGLE, dtype=np.float32),
+            scaled=arena.zeros(free, LANES, dtype=np.float32),
+            change=arena.zeros(free, LANES, dtype=np.float32),
             xy=tiles(len(layout.block.observations), 2),
             turns=tiles(images, 2),
             contexts=tuple(tiles(images, kernels.PARAMETERS + a) for a in widths),
             sums=tuple(tiles(images, kernels.PULL + a) for a in widths),
         )
+        room.start[:] = nominal.x[:, None]
+        room.given[:] = (layout.block.points.coordinates - layout.origin).reshape(-1, 1)
+        return room
 
     def begin(self, trials: slice) -> None:
         """Fetch the image coordinates of at most LANES trials and go back to the start."""

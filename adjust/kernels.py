@@ -17,6 +17,7 @@ import adjust.lanes_compiled  # noqa: F401  lanes for numba
 from adjust.lanes import (
     WIDTH,
     WIDTH_SINGLE,
+    align_stack,
     choose,
     equal,
     greater,
@@ -74,6 +75,7 @@ def gradient_tile(
     the torque on each station (minus the gradient by X0, and minus that by small rotations about the object axes), vPv,
     the least depth, and the gradient by the parameters.
     """
+    align_stack()
     zero = same(0.0)
     for i in images:
         r11, r12, r13 = load(contexts, i, 0), load(contexts, i, 1), load(contexts, i, 2)
@@ -128,6 +130,7 @@ def gradient_block(
     sums: Any, g: Any,
 ) -> None:  # fmt: skip
     """`gradient_tile` for all tiles: contexts, xy, x, sums and g have one more, first axis."""
+    align_stack()
     for tile in range(x.shape[0]):
         gradient_tile(
             images, starts, point, weight, interior, contexts[tile], first, xy[tile], x[tile], sums[tile], g[tile]
@@ -206,12 +209,13 @@ def collect(
 
 
 @numba.njit(cache=True, error_model="numpy")
-def scale(g: Any, s: Any, scaled: Any) -> None:
-    """scaled (size, LANES) = s g in single precision; s (size), g (tiles, size, WIDTH)."""
-    for row in range(s.size):
+def scale(g: Any, free: Any, s: Any, scaled: Any) -> None:
+    """scaled (f, LANES) = s g in single precision of the rows free (f); s (f), g (tiles, size, WIDTH)."""
+    for number in range(free.size):
+        row = free[number]
         for pair in range(g.shape[0] // 2):
             first, second = load(g, 2 * pair, row), load(g, 2 * pair + 1, row)
-            store(scaled[row, WIDTH_SINGLE * pair :], narrow(s[row] * first, s[row] * second))
+            store(scaled[number, WIDTH_SINGLE * pair :], narrow(s[number] * first, s[number] * second))
 
 
 @numba.njit(cache=True, error_model="numpy")
@@ -225,20 +229,21 @@ def longest(change: Any, length: Any) -> None:
 
 
 @numba.njit(cache=True, error_model="numpy")
-def advance(change: Any, active: Any, s: Any, start: Any, y: Any, x: Any) -> None:
-    """y -= change and x = start + s y for the active trials (tiles, WIDTH; 1.0 or 0.0).
+def advance(change: Any, active: Any, free: Any, s: Any, start: Any, y: Any, x: Any) -> None:
+    """y -= change and x = start + s y in the rows free (f), for the active trials (tiles, WIDTH; 1.0 or 0.0).
 
-    change (size, LANES) in single precision, finite for active trials; s (size); start, y, x (tiles, size, WIDTH).
+    change, y and s are of the free rows alone: change (f, LANES) in single precision, y (tiles, f, WIDTH), s (f); start
+    and x (tiles, size, WIDTH).
     """
-    for row in range(s.size):
+    for number in range(free.size):
+        row = free[number]
         for pair in range(x.shape[0] // 2):
-            halves = widen(load(change[row, WIDTH_SINGLE * pair :]))
+            halves = widen(load(change[number, WIDTH_SINGLE * pair :]))
             for half in range(2):
                 tile = 2 * pair + half
-                step = choose(load(active, tile), halves[half], 0.0)
-                moved = load(y, tile, row) - step
-                store(y, moved, tile, row)
-                store(x, load(start, tile, row) + s[row] * moved, tile, row)
+                moved = load(y, tile, number) - choose(load(active, tile), halves[half], 0.0)
+                store(y, moved, tile, number)
+                store(x, load(start, tile, row) + s[number] * moved, tile, row)
 
 
 @numba.njit(cache=True)
@@ -261,26 +266,26 @@ def first_gradient(
     Good for a first step, from which exact ones go on. starts (m + 1), point (k); first: row of the first point
     coordinate; set_first (m): that of each image's parameters; v, xy (k, 2): corrections and coordinates of the nominal
     trial; jacobian (k, 2, 6 + a) and by_point (k, 2, 3) there, times the weights, in single precision; lanes
-    (tiles, k, 2, WIDTH) measured; g (size, LANES) in single precision, overwritten.
+    (tiles, k, 2, WIDTH) measured; g (size, tiles / 2, WIDTH_SINGLE) in single precision, overwritten.
     """
+    pairs, width = lanes.shape[0] // 2, jacobian.shape[2]
+    sums = np.zeros((width, pairs, WIDTH_SINGLE), dtype=np.float32)
     g[:] = np.float32(0.0)
-    width = jacobian.shape[2]
-    sums = np.zeros((width, WIDTH_SINGLE), dtype=np.float32)
-    for pair in range(lanes.shape[0] // 2):
-        one, two, part = lanes[2 * pair], lanes[2 * pair + 1], g[:, WIDTH_SINGLE * pair :]
-        for i in range(starts.size - 1):
-            sums[:] = np.float32(0.0)
-            for k in range(starts[np.uint64(i)], starts[np.uint64(i + 1)]):
-                ax, ay = v[k, 0] + xy[k, 0], v[k, 1] + xy[k, 1]
-                vx = narrow(ax - load(one, k, 0), ax - load(two, k, 0))
-                vy = narrow(ay - load(one, k, 1), ay - load(two, k, 1))
+    for i in range(starts.size - 1):
+        sums[:] = np.float32(0.0)
+        for k in range(starts[np.uint64(i)], starts[np.uint64(i + 1)]):
+            ax, ay, at = v[k, 0] + xy[k, 0], v[k, 1] + xy[k, 1], first + 3 * point[k]
+            for pair in range(pairs):
+                one, two = lanes[2 * pair, k], lanes[2 * pair + 1, k]
+                vx, vy = narrow(ax - load(one, 0), ax - load(two, 0)), narrow(ay - load(one, 1), ay - load(two, 1))
                 for j in range(width):
-                    store(sums, load(sums, j) + (jacobian[k, 0, j] * vx + jacobian[k, 1, j] * vy), j)
+                    store(sums, load(sums, j, pair) + (jacobian[k, 0, j] * vx + jacobian[k, 1, j] * vy), j, pair)
                 for j in range(3):
-                    at = first + 3 * point[k] + j
-                    store(part, load(part, at) + (by_point[k, 0, j] * vx + by_point[k, 1, j] * vy), at)
+                    pulled = by_point[k, 0, j] * vx + by_point[k, 1, j] * vy
+                    store(g, load(g, at + j, pair) + pulled, at + j, pair)
+        for pair in range(pairs):
             for j in range(6):
-                store(part, load(sums, j), 6 * i + j)
+                store(g, load(sums, j, pair), 6 * i + j, pair)
             for j in range(6, width):
                 at = set_first[i] + j - 6
-                store(part, load(part, at) + load(sums, j), at)
+                store(g, load(g, at, pair) + load(sums, j, pair), at, pair)

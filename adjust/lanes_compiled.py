@@ -17,7 +17,7 @@ from numba.core.typing.templates import ConcreteTemplate, infer_global, signatur
 from numba.extending import intrinsic, lower_builtin, models, overload, register_model
 
 from adjust import lanes as plain
-from adjust.lanes import WIDTH, WIDTH_SINGLE
+from adjust.lanes import CACHE_LINE, WIDTH, WIDTH_SINGLE
 
 FLAGS = ("contract", "nsz", "arcp")
 """what LLVM may do with the arithmetic of lanes"""
@@ -214,6 +214,17 @@ for _readable, _lower in FUNCTIONS.items():
 
 
 @intrinsic
+def _align_stack(_typing: Any) -> Any:
+    def lower(context: Any, builder: Any, _sig: Any, _arguments: Any) -> Any:
+        attributes = builder.function.attributes
+        attributes.alignstack = CACHE_LINE
+        attributes.add("nounwind")  # llvmlite leaves out the alignment where it stands alone
+        return context.get_dummy_value()
+
+    return types.void(), lower
+
+
+@intrinsic
 def _same(_typing: Any, number: Any) -> Any:
     return DOUBLE(number), lambda _context, builder, _sig, arguments: _splat(builder, DOUBLE, arguments[0])
 
@@ -241,6 +252,7 @@ def _widen(_typing: Any, value: Any) -> Any:
     return types.UniTuple(DOUBLE, 2)(value), lower
 
 
+overload(plain.align_stack, inline="always")(lambda: lambda: _align_stack())
 overload(plain.same)(lambda number: lambda number: _same(number))
 overload(plain.narrow)(lambda first, second: lambda first, second: _narrow(first, second))
 overload(plain.widen)(lambda value: lambda value: _widen(value))
