@@ -58,13 +58,24 @@ class Trials:
     cofactors: Floats | None = None
 
     @classmethod
-    def joined(cls, parts: list[Trials], size: int) -> Trials:
-        if not parts:
-            return cls(np.empty((0, size)), np.empty(0), np.empty(0, "i1"), np.empty(0, "i2"), np.empty(0, "i1"))
-        names = ("x", "vpv", "status", "iterations", "route")
-        cofactors = [p.cofactors for p in parts if p.cofactors is not None]
-        joined = {name: np.concatenate([getattr(p, name) for p in parts]) for name in names}
-        return cls(**joined, cofactors=np.concatenate(cofactors) if cofactors else None)
+    def empty(cls, count: int, size: int, with_cofactors: bool) -> Trials:
+        """Room for `count` trials of `size` unknowns."""
+        cofactors = np.full((count, size), np.nan) if with_cofactors else None
+        x, vpv, status = np.empty((count, size)), np.empty(count), np.empty(count, "i1")
+        return cls(x, vpv, status, np.empty(count, "i2"), np.empty(count, "i1"), cofactors)
+
+    def part(self, trials: slice) -> Trials:
+        """Some of the trials, as views."""
+        return Trials(*(None if a is None else a[trials] for a in self._arrays()))  # type: ignore[arg-type]
+
+    @classmethod
+    def joined(cls, parts: list[Trials]) -> Trials:
+        """Parts, at least one, in a row."""
+        arrays = zip(*(part._arrays() for part in parts), strict=True)
+        return cls(*(None if a[0] is None else np.concatenate(a) for a in arrays))  # type: ignore[arg-type]
+
+    def _arrays(self) -> tuple[npt.NDArray[Any] | None, ...]:
+        return self.x, self.vpv, self.status, self.iterations, self.route, self.cofactors
 
 
 @dataclass(frozen=True, eq=False)
@@ -121,10 +132,12 @@ class Chord:
         g = self.nominal.groups.image_points
         return g.starts.astype(np.uint64), g.point, g.weight, g.interior
 
-    def solve(self, image_points: Any, coordinates: Floats | None, trials: slice, room: Workspace) -> Trials:
+    def solve(
+        self, image_points: Any, coordinates: Floats | None, trials: slice, room: Workspace, solved: Trials
+    ) -> None:
         """Solve at most LANES trials of image_points (t, k, 2) and coordinates (t, n, 3; None: those of the block).
 
-        room: made for these image points.
+        room: made for these image points; solved: where the results go, as many trials.
         """
         count = trials.stop - trials.start
         coordinates = None if coordinates is None else coordinates[trials]
@@ -136,14 +149,10 @@ class Chord:
                 self._give_coordinates(coordinates, room)
             ahead = self._step_ahead(room) if coordinates is None else np.full(LANES, np.inf)
             converged = self._iterate(room, ahead, vpv, iterations, np.arange(LANES) < count)
-        solved = Trials(
-            room.estimates[:count],
-            vpv[:count],
-            np.full(count, STATUSES.index(Status.CONVERGED), dtype=np.int8),
-            iterations[:count],
-            np.where(converged[:count], CHORD, GAUSS_NEWTON).astype(np.int8),
-            np.full((count, len(self.nominal.x)), np.nan) if self.exact_std else None,
-        )
+        kernels.untile(room.x, solved.x)
+        solved.vpv[:], solved.iterations[:] = vpv[:count], iterations[:count]
+        solved.status[:] = STATUSES.index(Status.CONVERGED)
+        solved.route[:] = np.where(converged[:count], CHORD, GAUSS_NEWTON)
         left = range(count) if self.exact_std else np.flatnonzero(~converged[:count])
         for trial in left:
             at = trials.start + int(trial)
@@ -155,7 +164,6 @@ class Chord:
                 compiled = Compiled(groups)
                 factor = compiled.factorise(compiled.at(solved.x[trial]))
                 solved.cofactors[trial] = Cofactors(self.nominal.layout, factor).diagonal
-        return solved
 
     def _give_coordinates(self, coordinates: Floats, room: Workspace) -> None:
         """The reduced given coordinates (t, n, 3) into room.given, and those held fixed into room.x."""
@@ -324,11 +332,6 @@ class Workspace:
         for empty in range(trials.stop - trials.start, LANES):  # a lane without a trial repeats the first one
             self.xy[empty // WIDTH, :, :, empty % WIDTH] = self.xy[0, :, :, 0]
         self.x[:], self.y[:] = self.start, 0.0
-
-    @property
-    def estimates(self) -> Floats:
-        """(LANES, size) the unknowns, a copy."""
-        return np.ascontiguousarray(self.x.transpose(0, 2, 1)).reshape(LANES, -1)
 
 
 def _lanes_of(image_points: Any, order: npt.NDArray[np.intp]) -> Callable[[slice, Floats], None]:

@@ -70,10 +70,11 @@ def gradient_tile(
     """Half the gradient of vPv, A^T P v, of the image points of the images `images` (q), which share one AP set.
 
     images and starts (m + 1) are unsigned, for numba then omits its handling of negative indices; point (k), weight
-    (k, 2), interior (m, 3) as in adjust.observations.ImagePoints; contexts (m, 12 + a, WIDTH); first: row in x and g of the first point coordinate; xy (k, 2, WIDTH) measured; x (size, WIDTH)
-    the unknowns. The point part is added to g (size, WIDTH), the rest is left in sums (m, 8 + a, WIDTH): the force and
-    the torque on each station (minus the gradient by X0, and minus that by small rotations about the object axes), vPv,
-    the least depth, and the gradient by the parameters.
+    (k, 2), interior (m, 3) as in adjust.observations.ImagePoints; contexts (m, 12 + a, WIDTH); first: row in x and g of
+    the first point coordinate; xy (k, 2, WIDTH) measured; x (size, WIDTH) the unknowns. The point part is added to g
+    (size, WIDTH), the rest is left in sums (m, 8 + a, WIDTH): the force and the torque on each station (minus the
+    gradient by X0, and minus that by small rotations about the object axes), vPv, the least depth, and the gradient by
+    the parameters.
     """
     align_stack()
     zero = same(0.0)
@@ -185,9 +186,7 @@ def fill_contexts(images: Any, x: Any, parameters: Any, turns: Any, contexts: An
 
 
 @numba.njit(cache=True, error_model="numpy")
-def collect(
-    images: Any, sums: Any, contexts: Any, turns: Any, parameters: Any, g: Any, vpv: Any, depth: Any
-) -> None:
+def collect(images: Any, sums: Any, contexts: Any, turns: Any, parameters: Any, g: Any, vpv: Any, depth: Any) -> None:
     """Add what `gradient_tile` left in sums to g (tiles, size, WIDTH), vpv and depth (tiles, WIDTH).
 
     The angles turn about the axes e1, R1 e2 and R e3, and a turn about axis a changes vPv / 2 by -a . torque.
@@ -254,6 +253,17 @@ def transpose(image_points: Any, order: Any, lanes: Any) -> None:
         for k in range(order.size):
             tile[k, 0, t % WIDTH] = image_points[t, order[k], 0]
             tile[k, 1, t % WIDTH] = image_points[t, order[k], 1]
+
+
+@numba.njit(cache=True)
+def untile(x: Any, trials: Any) -> None:
+    """trials[t] = x[t // WIDTH, :, t % WIDTH]; trials (t, size), x (tiles, size, WIDTH)."""
+    for tile in range((trials.shape[0] + WIDTH - 1) // WIDTH):
+        first = WIDTH * tile
+        count = min(WIDTH, trials.shape[0] - first)
+        for row in range(trials.shape[1]):
+            for t in range(count):
+                trials[first + t, row] = x[tile, row, t]
 
 
 @numba.njit(cache=True, error_model="numpy")

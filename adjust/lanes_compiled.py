@@ -193,7 +193,7 @@ def _choose(_context: Any, builder: Any, lanes: LanesType, vectors: list[Any]) -
     )
 
 
-FUNCTIONS = {
+FUNCTIONS: dict[Callable[..., Any], Callable[..., Any]] = {
     plain.root: _by_instruction("sqrt"),
     plain.magnitude: _by_instruction("fabs"),
     plain.whole: _by_instruction("rint"),

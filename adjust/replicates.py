@@ -147,13 +147,17 @@ def adjust_replicates(
     with threadpool_limits(1):
         chord = Chord.of(block, model, exact_std)
     tasks = [slice(first, min(first + TASK, count)) for first in range(0, count, TASK)]
-    if jobs == 1:
-        parts = [_solve(chord, image_points, coordinates, task) for task in tasks]
+    if jobs == 1 or len(tasks) <= 1:
+        trials = Trials.empty(count, len(chord.nominal.x), exact_std)
+        for task in tasks:
+            _solve(chord, image_points, coordinates, task, trials.part(task))
     else:
-        parts = joblib.Parallel(n_jobs=jobs)(
-            joblib.delayed(_solve)(chord, *_portion(image_points, coordinates, task)) for task in tasks
+        trials = Trials.joined(
+            joblib.Parallel(n_jobs=jobs)(
+                joblib.delayed(_solved)(chord, *_portion(image_points, coordinates, task)) for task in tasks
+            )
         )
-    return Replicates(chord.nominal, Trials.joined(parts, len(chord.nominal.x)))
+    return Replicates(chord.nominal, trials)
 
 
 def _check_shapes(block: Block, image_points: ImagePointTrials, coordinates: Floats | None) -> None:
@@ -175,12 +179,20 @@ def _portion(
     return image_points, coordinates, task
 
 
-def _solve(chord: Chord, image_points: ImagePointTrials, coordinates: Floats | None, task: slice) -> Trials:
-    """Solve some trials in blocks of LANES."""
+def _solved(chord: Chord, image_points: ImagePointTrials, coordinates: Floats | None, task: slice) -> Trials:
+    """Some trials, in another process."""
+    trials = Trials.empty(task.stop - task.start, len(chord.nominal.x), chord.exact_std)
+    _solve(chord, image_points, coordinates, task, trials)
+    return trials
+
+
+def _solve(
+    chord: Chord, image_points: ImagePointTrials, coordinates: Floats | None, task: slice, trials: Trials
+) -> None:
+    """Solve some trials in blocks of LANES, into `trials`."""
     room = Workspace.of(chord, image_points)
     with threadpool_limits(1):
-        parts = [
-            chord.solve(image_points, coordinates, slice(first, min(first + LANES, task.stop)), room)
-            for first in range(task.start, task.stop, LANES)
-        ]
-    return Trials.joined(parts, len(chord.nominal.x))
+        for first in range(task.start, task.stop, LANES):
+            block = slice(first, min(first + LANES, task.stop))
+            into = trials.part(slice(block.start - task.start, block.stop - task.start))
+            chord.solve(image_points, coordinates, block, room, into)

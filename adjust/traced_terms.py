@@ -7,6 +7,7 @@ UntraceableError, and callers fall back to its numpy basis.
 
 from __future__ import annotations
 
+import functools
 import hashlib
 import importlib.util
 import inspect
@@ -21,7 +22,7 @@ from typing import Any
 
 import numpy as np
 
-from adjust import kernels
+from adjust import kernels, lanes_compiled
 from adjust.ap_models.model import ApModel
 
 UFUNCS = {
@@ -182,6 +183,9 @@ def compile_gradient(model: ApModel) -> Callable[..., Any]:
     return gradient
 
 
+_source_of = functools.cache(inspect.getsource)
+
+
 def _source(trace: Trace) -> str:
     inline = '@numba.njit(error_model="numpy", inline="always")'
     keep = [f"store(sums, pulls[{row}], image, {kernels.PULL + row})" for row in range(len(trace.parts))]
@@ -194,6 +198,7 @@ def _source(trace: Trace) -> str:
     functions = [[inline, f"def {head}:", *(f"    {line}" for line in body)] for head, body in bodies.items()]
     return "\n".join(
         [
+            f"# {_digest(_source_of(lanes_compiled))}: code kept on disk is compiled anew when lanes change",
             "from typing import Any",
             "import numba",
             "import numpy as np",
@@ -201,11 +206,15 @@ def _source(trace: Trace) -> str:
             "from adjust.lanes import *",
             *itertools.chain.from_iterable(functions),
             '@numba.njit(error_model="numpy")',
-            inspect.getsource(kernels.gradient_tile),
+            _source_of(kernels.gradient_tile),
             '@numba.njit(cache=CACHE, error_model="numpy")',
-            inspect.getsource(kernels.gradient_block),
+            _source_of(kernels.gradient_block),
         ]
     )
+
+
+def _digest(text: str) -> str:
+    return hashlib.sha256(text.encode()).hexdigest()[:16]
 
 
 def _cache_folder() -> Path | None:
@@ -220,8 +229,7 @@ def _cache_folder() -> Path | None:
 
 
 def _load(source: str) -> ModuleType:
-    digest = hashlib.sha256(source.encode()).hexdigest()[:16]
-    name = f"_simfield_terms_{digest}"
+    name = f"_simfield_terms_{_digest(source)}"
     if name in sys.modules:
         return sys.modules[name]
     folder = _cache_folder()

@@ -25,7 +25,8 @@ LOG_TERMS = tuple(2.0 / (2 * i + 1) for i in range(8))
 """2 artanh(s) = s (2 + 2/3 s^2 + 2/5 s^4 + ...): with |s| <= 0.172 the next term is below 2e-14"""
 SINE_TERMS = (1.0, -1 / 6, 1 / 120, -1 / 5040, 1 / 362880, -1 / 39916800, 1 / 6227020800)
 COSINE_TERMS = (1.0, -1 / 2, 1 / 24, -1 / 720, 1 / 40320, -1 / 3628800, 1 / 479001600)
-"""Taylor series up to a^13 and a^12; for |a| <= pi/4 the next terms are below 4e-13, the step of a 32-bit angle is 1e-9"""
+"""Taylor series up to a^13 and a^12; for |a| <= pi/4 the next terms are below 4e-13, the step of a 32-bit angle is 1e-9
+"""
 TWO_PI = 6.283185307179586
 
 Words = npt.NDArray[np.uint64]

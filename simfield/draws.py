@@ -14,7 +14,6 @@ import numpy as np
 from simfield.block import Floats, Indices
 from simfield.counter_normals import Words, normal_pairs
 
-
 WIDTH = 8
 """trials a tile of numbers drawn together"""
 
