@@ -21,12 +21,14 @@ from adjust.ap_models.model import ApModel
 from adjust.bundle import adjust_block
 from adjust.compiled_normals import Compiled
 from adjust.kernels import LANES, TILES
-from adjust.lanes import WIDTH, WIDTH_SINGLE, Arena
+from adjust.lanes import WIDTH
 from adjust.observations import Observations
 from adjust.precision import Cofactors
 from adjust.solve import solve
 from adjust.status import Status
 from adjust.traced_terms import UntraceableError, compile_gradient
+from adjust.trials import CHORD, GAUSS_NEWTON, STATUSES, Trials
+from adjust.workspace import Workspace
 from simfield.block import Block, Floats, ImageObservations, Points
 
 ERROR_LEFT = 1e-8
@@ -38,44 +40,6 @@ SMALL_STEP = 1e-9
 CONTRACTION_MOST = 0.2
 """a trial that contracts less is left to full Gauss-Newton"""
 STEPS_MOST = 8
-STATUSES = tuple(Status)
-CHORD, GAUSS_NEWTON = 0, 1
-"""routes by which a trial can be solved"""
-
-
-@dataclass(frozen=True, eq=False)
-class Trials:
-    """Solved trials: x (t, size), vPv (t), status (t) indices into STATUSES, iterations (t), route (t).
-
-    cofactors (t, size): the cofactor of every unknown in every trial, None where nobody asked for them.
-    """
-
-    x: Floats
-    vpv: Floats
-    status: npt.NDArray[np.int8]
-    iterations: npt.NDArray[np.int16]
-    route: npt.NDArray[np.int8]
-    cofactors: Floats | None = None
-
-    @classmethod
-    def empty(cls, count: int, size: int, with_cofactors: bool) -> Trials:
-        """Room for `count` trials of `size` unknowns."""
-        cofactors = np.full((count, size), np.nan) if with_cofactors else None
-        x, vpv, status = np.empty((count, size)), np.empty(count), np.empty(count, "i1")
-        return cls(x, vpv, status, np.empty(count, "i2"), np.empty(count, "i1"), cofactors)
-
-    def part(self, trials: slice) -> Trials:
-        """Some of the trials, as views."""
-        return Trials(*(None if a is None else a[trials] for a in self._arrays()))  # type: ignore[arg-type]
-
-    @classmethod
-    def joined(cls, parts: list[Trials]) -> Trials:
-        """Parts, at least one, in a row."""
-        arrays = zip(*(part._arrays() for part in parts), strict=True)
-        return cls(*(None if a[0] is None else np.concatenate(a) for a in arrays))  # type: ignore[arg-type]
-
-    def _arrays(self) -> tuple[npt.NDArray[Any] | None, ...]:
-        return self.x, self.vpv, self.status, self.iterations, self.route, self.cofactors
 
 
 @dataclass(frozen=True, eq=False)
@@ -271,74 +235,3 @@ class Chord:
         trials.vpv[trial] = groups.cost(solution.x) if solution.status.ok else np.nan
         trials.status[trial] = STATUSES.index(solution.status)
         trials.iterations[trial] += solution.iterations
-
-
-@dataclass(frozen=True, eq=False)
-class Workspace:
-    """The arrays that one block of trials after another is computed in; nothing in them outlives a block.
-
-    Trial t of a block is lane t % WIDTH of tile t // WIDTH, the last and the first axis of all but scaled and change,
-    which are (f, LANES) for the matrix product.
-    """
-
-    x: Floats
-    y: Floats
-    start: Floats
-    gradient: Floats
-    given: Floats
-    fill: Callable[[slice, Floats], None]
-    first: npt.NDArray[np.float32]
-    scaled: npt.NDArray[np.float32]
-    change: npt.NDArray[np.float32]
-    xy: Floats
-    turns: Floats
-    contexts: tuple[Floats, ...]
-    sums: tuple[Floats, ...]
-
-    @classmethod
-    def of(cls, chord: Chord, image_points: Any) -> Workspace:
-        """For the trials of image_points (t, k, 2)."""
-        layout, nominal = chord.nominal.layout, chord.nominal
-        images, size, free = len(layout.block.images), len(nominal.x), len(chord.free)
-        widths = [len(s.model.parameters) for s in layout.sets]
-
-        arena = Arena(64)
-
-        def tiles(*shape: int) -> Floats:
-            return arena.zeros(TILES, *shape, WIDTH)
-
-        room = cls(
-            fill=_lanes_of(image_points, nominal.groups.image_points.order),
-            x=tiles(size),
-            y=tiles(free),
-            start=tiles(size),
-            gradient=tiles(size),
-            given=tiles(3 * len(layout.block.points)),
-            first=arena.zeros(size, TILES // 2, WIDTH_SINGLE, dtype=np.float32),
-            scaled=arena.zeros(free, LANES, dtype=np.float32),
-            change=arena.zeros(free, LANES, dtype=np.float32),
-            xy=tiles(len(layout.block.observations), 2),
-            turns=tiles(images, 2),
-            contexts=tuple(tiles(images, kernels.PARAMETERS + a) for a in widths),
-            sums=tuple(tiles(images, kernels.PULL + a) for a in widths),
-        )
-        room.start[:] = nominal.x[:, None]
-        room.given[:] = (layout.block.points.coordinates - layout.origin).reshape(-1, 1)
-        return room
-
-    def begin(self, trials: slice) -> None:
-        """Fetch the image coordinates of at most LANES trials and go back to the start."""
-        self.fill(trials, self.xy)
-        for empty in range(trials.stop - trials.start, LANES):  # a lane without a trial repeats the first one
-            self.xy[empty // WIDTH, :, :, empty % WIDTH] = self.xy[0, :, :, 0]
-        self.x[:], self.y[:] = self.start, 0.0
-
-
-def _lanes_of(image_points: Any, order: npt.NDArray[np.intp]) -> Callable[[slice, Floats], None]:
-    """A function that writes a slice of trials into lanes (TILES, k, 2, WIDTH), the observations sorted by image."""
-    if hasattr(image_points, "fill_lanes"):
-        fill: Callable[[slice, Floats], None] = image_points.only(order).fill_lanes
-        return fill
-    return lambda trials, lanes: kernels.transpose(
-        np.ascontiguousarray(image_points[trials], dtype=float), order, lanes
-    )

@@ -18,8 +18,8 @@ WIDTH, WIDTH_SINGLE = 8, 16
 """numbers in double and in single precision lanes"""
 CACHE_LINE = 64
 """bytes"""
-LARGE_PAGES = 8
-"""megabytes from which numpy asks for large pages"""
+LARGE_PAGES = 16 << 20
+"""bytes; numpy asks for large pages from a quarter of this on"""
 
 
 class Arena:
@@ -29,11 +29,14 @@ class Arena:
     memory were up to a third slower, and by chance.
     """
 
-    def __init__(self, megabytes: int) -> None:
-        self.free = np.zeros(max(megabytes, LARGE_PAGES) << 20, dtype=np.uint8)
+    def __init__(self) -> None:
+        self.free = np.empty(0, dtype=np.uint8)
 
     def zeros(self, *shape: int, dtype: type[np.floating[Any]] = np.float64) -> npt.NDArray[Any]:
+        """An array of zeros that nobody else has."""
         size = math.prod(shape) * np.dtype(dtype).itemsize
+        if len(self.free) < size + CACHE_LINE:
+            self.free = np.zeros(max(LARGE_PAGES, size + CACHE_LINE), dtype=np.uint8)
         begin = -self.free.ctypes.data % CACHE_LINE
         taken, self.free = self.free[begin : begin + size], self.free[begin + size :]
         return taken.view(dtype).reshape(shape)

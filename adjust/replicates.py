@@ -20,9 +20,11 @@ from threadpoolctl import threadpool_limits
 
 from adjust.adjustment import Adjustment
 from adjust.ap_models.model import ApModel
-from adjust.chord import GAUSS_NEWTON, STATUSES, Chord, Trials, Workspace
+from adjust.chord import Chord
 from adjust.kernels import LANES
 from adjust.status import Status
+from adjust.trials import GAUSS_NEWTON, STATUSES, Trials
+from adjust.workspace import Workspace
 from simfield.block import Block, Floats
 
 TASK = 16 * LANES
@@ -190,7 +192,7 @@ def _solve(
     chord: Chord, image_points: ImagePointTrials, coordinates: Floats | None, task: slice, trials: Trials
 ) -> None:
     """Solve some trials in blocks of LANES, into `trials`."""
-    room = Workspace.of(chord, image_points)
+    room = Workspace.of(chord.nominal, len(chord.free), image_points)
     with threadpool_limits(1):
         for first in range(task.start, task.stop, LANES):
             block = slice(first, min(first + LANES, task.stop))
