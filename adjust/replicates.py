@@ -16,12 +16,12 @@ from typing import Protocol
 import joblib
 import numpy as np
 import numpy.typing as npt
-from threadpoolctl import threadpool_limits
 
 from adjust.adjustment import Adjustment
 from adjust.ap_models.model import ApModel
 from adjust.chord import Chord
 from adjust.kernels import LANES
+from adjust.one_thread import one_thread
 from adjust.status import Status
 from adjust.trials import GAUSS_NEWTON, STATUSES, Trials
 from adjust.workspace import Workspace
@@ -146,13 +146,14 @@ def adjust_replicates(
     """
     count = len(image_points)
     _check_shapes(block, image_points, coordinates)
-    with threadpool_limits(1):
+    with one_thread():
         chord = Chord.of(block, model, exact_std)
     tasks = [slice(first, min(first + TASK, count)) for first in range(0, count, TASK)]
     if jobs == 1 or len(tasks) <= 1:
         trials = Trials.empty(count, len(chord.nominal.x), exact_std)
+        room = _workspace(chord, image_points)
         for task in tasks:
-            _solve(chord, image_points, coordinates, task, trials.part(task))
+            _solve(chord, image_points, coordinates, task, room, trials.part(task))
     else:
         trials = Trials.joined(
             joblib.Parallel(n_jobs=jobs)(
@@ -184,16 +185,24 @@ def _portion(
 def _solved(chord: Chord, image_points: ImagePointTrials, coordinates: Floats | None, task: slice) -> Trials:
     """Some trials, in another process."""
     trials = Trials.empty(task.stop - task.start, len(chord.nominal.x), chord.exact_std)
-    _solve(chord, image_points, coordinates, task, trials)
+    _solve(chord, image_points, coordinates, task, _workspace(chord, image_points), trials)
     return trials
 
 
+def _workspace(chord: Chord, image_points: ImagePointTrials) -> Workspace:
+    return Workspace.of(chord.nominal, len(chord.free), image_points)
+
+
 def _solve(
-    chord: Chord, image_points: ImagePointTrials, coordinates: Floats | None, task: slice, trials: Trials
+    chord: Chord,
+    image_points: ImagePointTrials,
+    coordinates: Floats | None,
+    task: slice,
+    room: Workspace,
+    trials: Trials,
 ) -> None:
     """Solve some trials in blocks of LANES, into `trials`."""
-    room = Workspace.of(chord.nominal, len(chord.free), image_points)
-    with threadpool_limits(1):
+    with one_thread():
         for first in range(task.start, task.stop, LANES):
             block = slice(first, min(first + LANES, task.stop))
             into = trials.part(slice(block.start - task.start, block.stop - task.start))
