@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from simfield.block import Floats
-from studies.canvas import COLOURS, MARKERS
+from studies.canvas import COLOURS, MARKERS, literal
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -48,8 +48,7 @@ def _said(name: str, value: Any) -> str:
 
 
 def _plain(value: Any) -> str:
-    """A text that matplotlib takes literally."""
-    return (f"{value:g}" if isinstance(value, float) else str(value)).replace("$", r"\$")
+    return f"{value:g}" if isinstance(value, float) else literal(str(value))
 
 
 MANY_LABELS = 8

@@ -10,13 +10,13 @@ import numpy as np
 
 from studies import ranking
 from studies.conditions import factor_names
+from studies.markdown_text import escaped
 from studies.plan import Plan
 from studies.summary import Row, Summary
 from studies.whole_files import write_whole
 
 MOST_LINES = 60
 DASH = "–"
-MARKDOWN = str.maketrans({c: f"\\{c}" for c in "\\`*_[]<>|$#"})
 
 
 def write(summed: Summary, plan: Plan, folder: Path) -> list[Path]:
@@ -30,30 +30,46 @@ def write(summed: Summary, plan: Plan, folder: Path) -> list[Path]:
 def page(summed: Summary, plan: Plan, figures: Sequence[Path] = ()) -> str:
     """The report in Markdown."""
     study = plan.study
-    lines = [f"# {study.name}", "", escaped(study.study.question.strip()), ""]
-    lines += [_what_was_run(summed, plan), ""]
+    lines = [f"# {escaped(study.name)}", "", escaped(study.study.question.strip()), ""]
+    lines += [what_was_run(summed, plan), ""]
     for figure in figures:
-        lines += [f"![{', '.join(study.report.measures)}]({figure.name})", ""]
-    names = [*factor_names(study), *study.methods]
-    if study.report.rank_by:
-        lines += [f"## Ranked by {escaped(study.report.rank_by)}", "", *_ranked(summed, plan)]
-    for measure in study.report.measures:
-        chosen = [row for row in summed.rows if row["measure"] == measure]
-        if chosen:
-            unit = "" if chosen[0]["unit"] == "1" else f", {chosen[0]['unit']}"
-            lines += [f"## {escaped(measure)}{unit}", "", *_table(chosen, names), ""]
-    compared = [row for row in summed.differences if row["measure"] in study.report.measures]
-    if compared:
-        lines += ["## Differences between methods, in pairs on the same trials", ""]
-        lines += [*_table(compared, [*factor_names(study), "method", "against", "measure", "unit"]), ""]
+        lines += [f"![{escaped(', '.join(study.report.measures))}]({figure.name})", ""]
+    lines += ranked(summed, plan)
+    for _, heading, table_lines in by_measure(summed, plan):
+        lines += [f"## {heading}", "", *table_lines, ""]
+    lines += differences(summed, plan)
     if summed.failures:
         lines += ["## Failures", "", *(f"- {escaped(line)}" for line in summed.failures), ""]
     return "\n".join(lines)
 
 
-def _ranked(summed: Summary, plan: Plan) -> Iterator[str]:
-    """A ranking for each condition, under its factors."""
+def by_measure(summed: Summary, plan: Plan) -> Iterator[tuple[str, str, Iterator[str]]]:
+    """Every measure of the report that has rows: its name, its heading and the lines of its table."""
+    names = [*factor_names(plan.study), *plan.study.methods]
+    for measure in plan.study.report.measures:
+        chosen = [row for row in summed.rows if row["measure"] == measure]
+        if chosen:
+            unit = "" if chosen[0]["unit"] == "1" else f", {chosen[0]['unit']}"
+            yield measure, f"{escaped(measure)}{unit}", table(chosen, names)
+
+
+def differences(summed: Summary, plan: Plan) -> Iterator[str]:
+    """The differences between methods in the measures of the report, with a heading; nothing if there are none."""
+    compared = [row for row in summed.differences if row["measure"] in plan.study.report.measures]
+    if compared:
+        yield "## Differences between methods, in pairs on the same trials"
+        yield ""
+        yield from table(compared, [*factor_names(plan.study), "method", "against", "measure", "unit"])
+        yield ""
+
+
+def ranked(summed: Summary, plan: Plan) -> Iterator[str]:
+    """A ranking for each condition, under its factors; nothing if the study asks for none."""
     report = plan.study.report
+    if not report.rank_by:
+        return
+    yield f"## Ranked by {escaped(report.rank_by)}"
+    yield ""
     for condition in plan.conditions:
         yield f"### {escaped(str(condition))}"
         yield ""
@@ -61,7 +77,8 @@ def _ranked(summed: Summary, plan: Plan) -> Iterator[str]:
         yield from ranking.tables(own, summed.differences, report.measures, report.rank_by)
 
 
-def _what_was_run(summed: Summary, plan: Plan) -> str:
+def what_was_run(summed: Summary, plan: Plan) -> str:
+    """Conditions, methods, trials and how figures are to be read, in Markdown."""
     study = plan.study
     ran = sorted({row["n"] + row["failures"] for row in summed.rows})
     trials = f"{ran[0]}" if len(ran) == 1 else f"{ran[0]} to {ran[-1]}" if ran else "0"
@@ -72,7 +89,7 @@ def _what_was_run(summed: Summary, plan: Plan) -> str:
     )
 
 
-def _table(rows: Sequence[Row], names: Sequence[str]) -> Iterator[str]:
+def table(rows: Sequence[Row], names: Sequence[str]) -> Iterator[str]:
     """Rows in Markdown: the named columns, n, failures, estimate ± standard error."""
     yield "| " + " | ".join([*map(escaped, names), "n", "failures", "estimate"]) + " |"
     yield "| " + " | ".join(["---"] * len(names) + ["---:"] * 3) + " |"
@@ -104,11 +121,6 @@ def _plain(value: Any) -> str:
     if isinstance(value, bool):
         return "yes" if value else "no"
     return f"{value:g}" if isinstance(value, float) else str(value)
-
-
-def escaped(text: str) -> str:
-    """Text that Markdown and HTML show as it stands."""
-    return " ".join(text.split()).translate(MARKDOWN)
 
 
 def _draw(summed: Summary, plan: Plan, folder: Path) -> list[Path]:

@@ -28,7 +28,7 @@ def markdown(frame: pd.DataFrame, formats: Mapping[str, str] | None = None) -> s
 
 
 def _line(cells: Any) -> str:
-    return "| " + " | ".join(cells) + " |"
+    return "| " + " | ".join(cell.replace("|", r"\|") for cell in cells) + " |"
 
 
 def _cell(value: Any, form: str) -> str:
