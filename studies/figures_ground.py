@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -15,7 +16,11 @@ if TYPE_CHECKING:
 
     from studies.block_views import PointErrors
 
-MARKS = {"control": ("^", BLACK, 34.0), "check": ("o", GREY, 7.0), "tie": (".", GREY, 7.0)}
+MARKS: Mapping[str, tuple[str, str, float]] = {
+    "control": ("^", BLACK, 34.0),
+    "check": ("o", GREY, 7.0),
+    "tie": (".", GREY, 7.0),
+}
 """the usual signs: a triangle for control"""
 KILOMETRE = 1000.0
 
@@ -35,16 +40,10 @@ def field_plan(axes: Axes, block: Block, footprints: Floats) -> None:
         stations = block.images.exterior[own, :2] / KILOMETRE
         axes.plot(*stations.T, color=colour, marker="+", markersize=6, linestyle="none", label=label)
     for role, (marker, colour, size) in MARKS.items():
-        xy = block.points.coordinates[block.points.role == role, :2] / KILOMETRE
-        if len(xy):
-            axes.scatter(
-                *xy.T,
-                marker=marker,
-                s=size,
-                color=colour,
-                label=f"{len(xy)} {role} points",
-                zorder=4 if role == "control" else 3,
-            )
+        x, y = block.points.coordinates[block.points.role == role, :2].T / KILOMETRE
+        if len(x):
+            label, above = f"{len(x)} {role} points", 4 if role == "control" else 3
+            axes.scatter(x, y, marker=marker, s=size, color=colour, label=label, zorder=above)
     axes.autoscale_view()
     _ground(axes)
     axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.16), ncols=2, fontsize=7.5)

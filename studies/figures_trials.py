@@ -6,12 +6,13 @@ Sources: Morris, White & Crowther 2019 (zip plot and lollipops), Ruecker & Schwa
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from simfield.block import Floats
 from studies.canvas import BLACK, BLUE, COLOURS, GREY, VERMILION, literal
+from studies.figures import DASHES
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -19,6 +20,8 @@ if TYPE_CHECKING:
 MOST_INTERVALS = 250
 """that are drawn in a zip plot; with more trials every k-th stands for its neighbours"""
 INTERVAL = 1.96
+LINEAR_UNTIL, LINEAR_WITHIN = 1.5, 0.1
+"""the axis of a lollipop plot is linear up to the first, else between plus and minus the second"""
 TRACE_SHARE = 0.34
 """of the height of a nested-loop plot, for the levels of the factors below the curves"""
 
@@ -67,9 +70,23 @@ def lollipops(axes: Axes, labels: Sequence[str], values: Floats, mcse: Floats, x
     axes.axvline(0.0, color=BLACK, linewidth=0.8)
     axes.set_yticks(places, [literal(name) for name in labels], fontsize=7.5)
     axes.set(ylim=(len(labels) - 0.5, -0.5), xlabel=xlabel)
+    _readable_scale(axes, float(np.abs(values).max(initial=0.0)))
     axes.tick_params(axis="y", length=0)
     axes.grid(True, axis="x")
     axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), fontsize=7.5, ncols=2)
+
+
+def _readable_scale(axes: Axes, largest: float) -> None:
+    """Linear up to LINEAR_UNTIL; beyond it logarithmic outside of it, so that one large value hides no other."""
+    if largest <= LINEAR_UNTIL:
+        axes.locator_params(axis="x", nbins=6)
+        return
+    axes.set_xscale("symlog", linthresh=LINEAR_WITHIN, linscale=0.6)
+    places = [place for place in (0.1, 1.0, 10.0, 100.0, 1000.0) if place <= 1.6 * largest]
+    ticks = [*(-place for place in reversed(places)), 0.0, *places]
+    axes.set_xticks(ticks, [f"{tick:g}".replace("-", "−") for tick in ticks])
+    axes.set_xlim(-1.6 * largest, 1.6 * largest)
+    axes.minorticks_off()
 
 
 def nested_loop(
@@ -81,10 +98,15 @@ def nested_loop(
     scale of the curves is logarithmic.
     """
     combinations = len(next(iter(factors.values())))
-    edges: Floats = np.arange(combinations + 1) - 0.5
-    for (label, values), colour in zip(series.items(), COLOURS, strict=False):
+    edges = np.arange(combinations + 1, dtype=np.float64) - 0.5
+    for number, (label, values) in enumerate(series.items()):
         shown = np.log10(values) if log else np.asarray(values, dtype=float)
-        axes.stairs(shown, edges, baseline=None, color=colour, linewidth=1.5, label=literal(label))
+        # the first ones thicker, so that equal curves show below each other
+        style: dict[str, Any] = {
+            "linewidth": 1.5 if len(series) == 1 else max(1.0, 2.6 - 0.5 * number),
+            "linestyle": DASHES[number % len(DASHES)],
+        }
+        axes.stairs(shown, edges, baseline=None, color=COLOURS[number % len(COLOURS)], label=literal(label), **style)
     every = np.concatenate([np.asarray(v, dtype=float) for v in series.values()])
     every = np.log10(every) if log else every
     low, high = float(np.nanmin(every)), float(np.nanmax(every))
@@ -95,7 +117,7 @@ def nested_loop(
     ticks = _ticks(low, high, log=log)
     axes.set_yticks(ticks, [f"{10**tick:.3g}" if log else f"{tick:.4g}" for tick in ticks])
     axes.set_xticks([])
-    axes.set_xlabel(f"{combinations} combinations of {', '.join(map(literal, factors))}")
+    axes.set_xlabel(f"{combinations} combinations, each a step")
     axes.grid(True, axis="y")
     if len(series) > 1:
         axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), fontsize=7.5, ncols=3)

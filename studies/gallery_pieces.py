@@ -113,7 +113,7 @@ def correlations(example: Example) -> Figure:
     figure = new_figure(110, 100)
     axes = figure.subplots()
     mesh = figures.correlation_matrix(axes, r, r, names)
-    figure.colorbar(mesh, ax=axes, shrink=0.8, label="correlation (figures: hundredths)")
+    figure.colorbar(mesh, ax=axes, shrink=0.8, label="correlation")
     return figure
 
 

@@ -27,10 +27,11 @@ class DrawingError(ValueError):
 
 @dataclass(frozen=True)
 class Drawing:
-    """An SVG for a page: its width on paper, the caption, and the element itself."""
+    """An SVG for a page: its width on paper, what it is called and what it shows, and the element itself."""
 
     width_pt: float
     title: str
+    says: str
     markup: str
 
 
@@ -49,11 +50,12 @@ def inline(text: str, number: int, title: str = "") -> Drawing:
     if root.tag != f"{SVG}svg" or size is None:
         raise DrawingError("no SVG of matplotlib's")
     title = _text(root, "title") or title or "Figure"
-    told = f'<title>{escape(title)}</title><desc id="f{number}-says">{escape(_text(root, "desc"))}</desc>'
+    says = _text(root, "desc")
+    told = f'<title>{escape(title)}</title><desc id="f{number}-says">{escape(says)}</desc>'
     parts = [_written(child, f"f{number}-") for child in root]
     head = f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="{escape(root.get("viewBox", ""))}" role="img"'
     head += f' aria-label="{escape(title)}" aria-describedby="f{number}-says">'
-    return Drawing(float(size[1]), title, f"{head}{told}{''.join(parts)}</svg>")
+    return Drawing(float(size[1]), title, says, f"{head}{told}{''.join(parts)}</svg>")
 
 
 def _text(root: ElementTree.Element, name: str) -> str:

@@ -6,10 +6,12 @@ import re
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from html import escape
+from itertools import pairwise
 from typing import Any
 
 from studies.inline_svg import Drawing
 
+TABLE = '<div class="table" role="region" aria-label="table" tabindex="0"><table>\n'
 PAGE_WIDTH_PT = 360.0
 """a figure that is wider scrolls sideways on a phone instead of becoming too small to read"""
 Figure = Callable[[str, str], Drawing]
@@ -32,9 +34,7 @@ def converted(text: str, figure: Figure) -> Page:
     reader = MarkdownIt("commonmark", {"html": False}).enable("table")
     reader.disable(["link", "autolink", "reference", "html_inline", "html_block"])
     reader.add_render_rule("image", _figure_rule(figure))
-    reader.add_render_rule(
-        "table_open", _constant('<div class="table" role="region" aria-label="table" tabindex="0"><table>\n')
-    )
+    reader.add_render_rule("table_open", _constant(TABLE))
     reader.add_render_rule("table_close", _constant("</table></div>\n"))
     title, tokens = _without_title(reader.parse(text))
     sections = tuple(_anchored(tokens))
@@ -52,7 +52,7 @@ def _figure_rule(figure: Figure) -> Any:
         token = tokens[index]
         drawing = figure(str(token.attrs.get("src", "")), str(token.content))
         kind = "wide" if drawing.width_pt > PAGE_WIDTH_PT else "narrow"
-        caption = f"<figcaption>{escape(drawing.title)}</figcaption>"
+        caption = f"<figcaption><b>{escape(drawing.title)}</b> {escape(drawing.says)}</figcaption>"
         size = f'style="--natural:{drawing.width_pt:g}pt"'
         return f'<figure class="{kind}" {size}><div class="drawing">{drawing.markup}</div>{caption}</figure>'
 
@@ -68,7 +68,7 @@ def _without_title(tokens: list[Any]) -> tuple[str, list[Any]]:
 
 def _anchored(tokens: Sequence[Any]) -> Iterator[tuple[str, str]]:
     """Give every second-level heading an anchor; anchors and texts."""
-    for token, following in zip(tokens, tokens[1:], strict=False):
+    for token, following in pairwise(tokens):
         if token.type == "heading_open" and token.tag == "h2":
             text = _plain(following)
             anchor = re.sub(r"[^a-z0-9]+", "-", text.lower()).strip("-") or "section"

@@ -38,7 +38,7 @@ def report(folder: Path) -> str:
     if (folder / "report.md").exists() and (folder / "provenance.json").exists():
         return _of_pages(folder)
     raise NothingToReportError(
-        f"{folder}: no results of simfield are in it: neither those of a study (manifest.json, study.toml) nor those of "
+        f"{folder}: no results of simfield are in it, neither of a study (manifest.json, study.toml) nor of "
         "`simfield reproduce` or `simfield budget` (report.md, provenance.json)"
     )
 

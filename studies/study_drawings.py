@@ -15,7 +15,8 @@ from studies import block_views, figures, figures_ground, figures_trials
 from studies.canvas import house_style, literal, new_figure, svg
 from studies.conditions import Condition, factor_names
 from studies.plan import Plan
-from studies.study_figures import MANY_LABELS, MOST_SERIES, measure_over_factor, series_of
+from studies.study_figures import MANY_LABELS, MOST_SERIES, measure_over_factor, series_of, with_unit
+from studies.study_report import plain
 from studies.summary import Row, Summary
 
 if TYPE_CHECKING:
@@ -122,12 +123,12 @@ def _over_factor(name: str, rows: Sequence[Row], measure: str, unit: str, x: str
 
 def _nested(name: str, rows: Sequence[Row], measure: str, unit: str, names: Sequence[str]) -> Drawn | None:
     """A nested-loop plot, if two factors or more are left beside the one that makes the series."""
-    levels = {n: list(dict.fromkeys(str(row[n]) for row in rows)) for n in names}
+    levels = {n: list(dict.fromkeys(plain(row[n]) for row in rows)) for n in names}
     varying = [n for n in names if len(levels[n]) > 1]
     by = "ap" if "ap" in varying and len(levels["ap"]) <= 6 else ""
     factors = [n for n in varying if n != by]
     keys = sorted(
-        {tuple(str(row[n]) for n in factors) for row in rows},
+        {tuple(plain(row[n]) for n in factors) for row in rows},
         key=lambda key: [levels[n].index(level) for n, level in zip(factors, key, strict=True)],
     )
     if len(factors) < 2 or not LEAST_COMBINATIONS <= len(keys) <= MOST_COMBINATIONS:
@@ -136,12 +137,11 @@ def _nested(name: str, rows: Sequence[Row], measure: str, unit: str, names: Sequ
     series: dict[str, Floats] = {}
     for row in rows:
         values = series.setdefault(str(row[by]) if by else measure, np.full(len(keys), np.nan))
-        values[place[tuple(str(row[n]) for n in factors)]] = row["estimate"]
+        values[place[tuple(plain(row[n]) for n in factors)]] = row["estimate"]
     traces = {n: [key[i] for key in keys] for i, n in enumerate(factors)}
-    label = literal(measure) + ("" if unit == "1" else f", {unit}")
 
     def draw(figure: Figure) -> None:
-        figures_trials.nested_loop(figure.subplots(), traces, series, label)
+        figures_trials.nested_loop(figure.subplots(), traces, series, with_unit(measure, unit))
 
     said = f"Steps over {len(keys)} combinations of {', '.join(factors)}; the levels stand below the curves."
     return _drawn(name, f"{measure}, nested loop over {', '.join(factors)}", said, 70.0 + 5.0 * len(factors), draw)
@@ -172,7 +172,7 @@ def biases(summed: Summary, plan: Plan, condition: str) -> Iterator[Drawn]:
         def draw(figure: Figure, u: Sequence[str] = usable, b: Floats = bias, m: Floats = mcse) -> None:
             figures_trials.lollipops(figure.subplots(), u, b, m, "bias / standard deviation over trials")
 
-        yield _drawn(f"bias-{number}", f"Biases: {method}", said, 28.0 + 4.0 * len(usable), draw)
+        yield _drawn(f"bias-{number}", f"Biases: {method}", said, 30.0 + 3.6 * len(usable), draw)
 
 
 def zips(trials: Sequence[Trials]) -> Iterator[Drawn]:
@@ -183,9 +183,7 @@ def zips(trials: Sequence[Trials]) -> Iterator[Drawn]:
         def draw(figure: Figure, e: Trials = each) -> None:
             figures_trials.zip_plot(figure.subplots(), e.error, e.std, e.t)
 
-        said = (
-            f"Intervals of {len(each.error)} trials, sorted by their distance from the truth; {covered:.1f} % cover it."
-        )
+        said = f"Intervals of {len(each.error)} trials, the farthest from the truth on top; {covered:.1f} % cover it."
         yield _drawn(f"zip-{number}", f"Zip plot of {FOLLOWED}: {each.method}", said, 96.0, draw)
 
 
@@ -233,10 +231,13 @@ def _heat_map(name: str, own: Mapping[str, float], names: Sequence[str], title: 
         mesh = figures.correlation_matrix(
             axes, formal, matrix("correlation"), [literal(n.split(".", 1)[1]) for n in names]
         )
-        figure.colorbar(mesh, ax=axes, shrink=0.8, label="correlation (figures: hundredths)")
+        figure.colorbar(mesh, ax=axes, shrink=0.8, label="correlation")
 
-    said = f"{len(names)} unknowns; the largest formal correlation is {np.abs(formal).max():.2f} in amount."
-    return _drawn(name, f"Correlations, {title}", said, 92.0, draw)
+    said = (
+        f"{len(names)} unknowns, formal above the diagonal, over trials below it, empty where small; the largest is "
+        f"{np.abs(formal).max():.2f} in amount."
+    )
+    return _drawn(name, f"Correlations, {title}", said, min(92.0, 38.0 + 6.0 * len(names)), draw)
 
 
 def _drawn(name: str, title: str, says: str, height_mm: float, draw: Callable[[Figure], Any]) -> Drawn:

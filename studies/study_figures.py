@@ -41,6 +41,11 @@ def series_of(rows: Sequence[Row], measure: str, x: str, names: Sequence[str]) -
     return series, [] if numeric else [_plain(v) for v in values]
 
 
+def with_unit(measure: str, unit: str) -> str:
+    """A measure as the label of an axis."""
+    return literal(measure) + ("" if unit == "1" else f", {unit.replace('um', 'µm')}")
+
+
 def _said(name: str, value: Any) -> str:
     if name == "aux_points":
         return "with aux" if value else "without aux"
@@ -76,5 +81,5 @@ def measure_over_factor(axes: Axes, series: Series, labels: Sequence[str], x: st
             axes.tick_params(axis="x", labelrotation=90, labelsize=6)
         elif sum(map(len, labels)) > 40:
             axes.tick_params(axis="x", labelrotation=25)
-    axes.set(xlabel=_plain(x), ylabel=_plain(measure) + ("" if unit == "1" else f", {unit}"))
+    axes.set(xlabel=_plain(x), ylabel=with_unit(measure, unit))
     axes.grid(True, axis="y")

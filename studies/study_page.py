@@ -74,20 +74,11 @@ def _design(plan: Plan) -> Iterator[str]:
         yield ""
         yield f"{len(plan.conditions)} conditions: crossed factors, and rows of factors that move together.\n"
     stop = ", ".join(f"{escaped(k)} {v:g}" for k, v in study.trials.target_mcse.items())
+    targets = f"; from {study.trials.min} on a condition stops when these standard errors are reached: {stop}"
+    shared = f" Share their random numbers: {', '.join(map(escaped, study.paired.factors))}."
     yield (
-        f"At most {plan.trials} trials a condition, in blocks of {study.trials.block}"
-        + (
-            f"; from {study.trials.min} on a condition stops when these standard errors are reached: {stop}"
-            if stop
-            else ""
-        )
-        + f". Seed {study.study.seed}. "
-        + (
-            f"Share their random numbers: {', '.join(map(escaped, study.paired.factors))}."
-            if study.paired.factors
-            else ""
-        )
-        + "\n"
+        f"At most {plan.trials} trials a condition, in blocks of {study.trials.block}{targets if stop else ''}. "
+        f"Seed {study.study.seed}.{shared if study.paired.factors else ''}\n"
     )
 
 
@@ -112,9 +103,9 @@ def _methods(plan: Plan) -> Iterator[str]:
         yield f"The first {MOST_ROWS} of {len(plan.methods)} methods.\n"
     told = {key: sorted({str(m.columns[key]) for m in plan.methods}) for key in keys[3:]}
     yield (
-        "Parameters are those of one camera. The adjustment is told image noise: "
-        f"{escaped(', '.join(told['image_um']))} um; control: {escaped(', '.join(told['control_mm']))} mm "
-        '("scenario": what the world says).\n'
+        "Parameters are counted for one camera. What the adjustment is told of the standard deviation of image "
+        f"coordinates, um: {escaped(', '.join(told['image_um']))}; of control, mm: "
+        f"{escaped(', '.join(told['control_mm']))} (`scenario`: as the world has it).\n"
     )
 
 
@@ -187,9 +178,8 @@ def _provenance(plan: Plan, manifest: Mapping[str, Any]) -> Iterator[str]:
 def provenance_table(rows: Mapping[str, Any]) -> Iterator[str]:
     """What was used, line by line, in Markdown."""
     yield "| | |\n| --- | --- |"
-    yield from (
-        f"| {escaped(str(name))} | {escaped(str(value))} |" for name, value in rows.items() if value is not None
-    )
+    said = {name: value for name, value in rows.items() if value is not None}
+    yield from (f"| {escaped(str(name))} | {escaped(str(value))} |" for name, value in said.items())
     yield ""
 
 

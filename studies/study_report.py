@@ -83,19 +83,23 @@ def what_was_run(summed: Summary, plan: Plan) -> str:
     ran = sorted({row["n"] + row["failures"] for row in summed.rows})
     trials = f"{ran[0]}" if len(ran) == 1 else f"{ran[0]} to {ran[-1]}" if ran else "0"
     return (
-        f"{len(plan.conditions)} conditions, {len(plan.methods)} methods, {trials} trials each, seed "
-        f"{study.study.seed}. Behind ± stands the Monte-Carlo standard error. All methods of a condition see the same "
-        "trials. Every figure is in summary.csv, the study itself in study.toml."
+        f"{_counted(len(plan.conditions), 'condition')}, {_counted(len(plan.methods), 'method')}, {trials} trials "
+        f"each, seed {study.study.seed}. Behind ± stands the Monte-Carlo standard error. All methods of a condition "
+        "see the same trials. Every figure is in summary.csv, the study itself in study.toml."
     )
 
 
+def _counted(number: int, thing: str) -> str:
+    return f"{number} {thing}" + ("" if number == 1 else "s")
+
+
 def table(rows: Sequence[Row], names: Sequence[str]) -> Iterator[str]:
-    """Rows in Markdown: the named columns, n, failures, estimate ± standard error."""
-    yield "| " + " | ".join([*map(escaped, names), "n", "failures", "estimate"]) + " |"
+    """Rows in Markdown: the named columns, estimate ± standard error, n, failures."""
+    yield "| " + " | ".join([*map(escaped, names), "estimate", "n", "failures"]) + " |"
     yield "| " + " | ".join(["---"] * len(names) + ["---:"] * 3) + " |"
     for row in rows[:MOST_LINES]:
-        cells = [escaped(_plain(row.get(name, ""))) for name in names]
-        yield "| " + " | ".join([*cells, str(row["n"]), str(row["failures"]), with_error(row)]) + " |"
+        cells = [escaped(plain(row.get(name, ""))) for name in names]
+        yield "| " + " | ".join([*cells, with_error(row), str(row["n"]), str(row["failures"])]) + " |"
     if len(rows) > MOST_LINES:
         yield ""
         yield f"The first {MOST_LINES} of {len(rows)} lines; all are in summary.csv and differences.csv."
@@ -117,7 +121,8 @@ def with_error(row: Mapping[str, Any]) -> str:
     return f"{estimate:.5g} ± {mcse:.2g}"
 
 
-def _plain(value: Any) -> str:
+def plain(value: Any) -> str:
+    """A level of a factor as text."""
     if isinstance(value, bool):
         return "yes" if value else "no"
     return f"{value:g}" if isinstance(value, float) else str(value)
@@ -150,4 +155,5 @@ def _draw(summed: Summary, plan: Plan, folder: Path) -> list[Path]:
         handles, said = grid[0, 0].get_legend_handles_labels()
         if len(said) > 1:
             figure.legend(handles[:MOST_SERIES], said[:MOST_SERIES], loc="outside lower center", ncols=3, fontsize=6.5)
-        return save(figure, folder / "figure")
+        title = f"{study.name}: {', '.join(measures)}"
+        return save(figure, folder / "figure", title, f"Each over {x}, with 95 % Monte-Carlo intervals.")
