@@ -26,7 +26,6 @@ def report(folder: Path, out: Path | None) -> None:
     from studies.cli import Failure
     from studies.cli_studies import StoreFailure
     from studies.report import report as made
-    from studies.shards import DamageError
     from studies.store import StoreError
     from studies.summary_file import NothingToReportError
     from studies.whole_files import write_whole
@@ -36,7 +35,7 @@ def report(folder: Path, out: Path | None) -> None:
         page = made(folder)
     except NothingToReportError as error:
         raise click.UsageError(str(error)) from error
-    except (StoreError, DamageError) as error:
+    except StoreError as error:
         raise StoreFailure(str(error)) from error
     except OSError as error:
         raise Failure(f"{error.filename or folder}: cannot be read: {error.strerror or error}") from error

@@ -6,7 +6,7 @@ Sources: Morris, White & Crowther 2019 (zip plot and lollipops), Ruecker & Schwa
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -102,11 +102,11 @@ def nested_loop(
     for number, (label, values) in enumerate(series.items()):
         shown = np.log10(values) if log else np.asarray(values, dtype=float)
         # the first ones thicker, so that equal curves show below each other
-        style: dict[str, Any] = {
-            "linewidth": 1.5 if len(series) == 1 else max(1.0, 2.6 - 0.5 * number),
-            "linestyle": DASHES[number % len(DASHES)],
-        }
-        axes.stairs(shown, edges, baseline=None, color=COLOURS[number % len(COLOURS)], label=literal(label), **style)
+        width = 1.5 if len(series) == 1 else max(1.0, 2.6 - 0.5 * number)
+        axes.stairs(
+            shown, edges, baseline=None, color=COLOURS[number % len(COLOURS)], label=literal(label),
+            linewidth=width, linestyle=DASHES[number % len(DASHES)],
+        )  # fmt: skip
     every = np.concatenate([np.asarray(v, dtype=float) for v in series.values()])
     every = np.log10(every) if log else every
     low, high = float(np.nanmin(every)), float(np.nanmax(every))

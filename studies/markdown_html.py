@@ -52,7 +52,7 @@ def _figure_rule(figure: Figure) -> Any:
         token = tokens[index]
         drawing = figure(str(token.attrs.get("src", "")), str(token.content))
         kind = "wide" if drawing.width_pt > PAGE_WIDTH_PT else "narrow"
-        caption = f"<figcaption><b>{escape(drawing.title)}</b> {escape(drawing.says)}</figcaption>"
+        caption = f"<figcaption><b>{escape(drawing.title)}.</b> {escape(drawing.says)}</figcaption>"
         size = f'style="--natural:{drawing.width_pt:g}pt"'
         return f'<figure class="{kind}" {size}><div class="drawing">{drawing.markup}</div>{caption}</figure>'
 

@@ -15,6 +15,7 @@ from studies.inline_svg import MOST_BYTES, Drawing, DrawingError, inline
 from studies.installation import versions
 from studies.markdown_html import converted
 from studies.markdown_text import escaped, fenced
+from studies.shards import DamageError
 from studies.store import Store, StoreError, read_json
 from studies.summary_file import NothingToReportError
 
@@ -77,7 +78,7 @@ def _plan(folder: Path) -> Plan:
 def _with_trials(summed: Summary, plan: Plan, folder: Path) -> tuple[Summary, list[Trials]]:
     """The failures in words and the trials of the zip plots, if the shards are there; the summary must agree with them.
 
-    Raises StoreError, DamageError.
+    Raises StoreError.
     """
     from studies.summary import Summary, summarise
 
@@ -88,6 +89,8 @@ def _with_trials(summed: Summary, plan: Plan, folder: Path) -> tuple[Summary, li
         computed = summarise(plan, store)
     except FileNotFoundError as error:
         raise StoreError(f"{error.filename}: missing; `simfield run` computes it again") from None
+    except DamageError as error:
+        raise StoreError(f"{folder / 'trials'}: damaged: {error}; `simfield run` computes it again") from None
     summary_file.refuse_other_numbers(summed, computed, folder / "summary.csv")
     return Summary(summed.rows, summed.differences, computed.failures), list(_followed(plan, store))
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -54,6 +54,12 @@ class Trials:
 def world(condition: Condition) -> Iterator[Drawn]:
     """Plan, rays per point and radius histogram of a condition. Raises ArithmeticError, ValueError if it cannot be."""
     block, truth = build_world(condition.scenario, condition.seed).observe(0)
+    # where everything was: the block itself may leave orientations and tie points open
+    images, points = (
+        replace(block.images, exterior=truth.exterior),
+        replace(block.points, coordinates=truth.coordinates),
+    )
+    block = replace(block, images=images, points=points)
 
     def plan(figure: Figure) -> None:
         figures_ground.field_plan(figure.subplots(), block, block_views.footprints(block))

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from studies.cells import unit
-from studies.methods import Method
+from studies.methods import Method, references
 from studies.plan import Plan
 from studies.store import StoreError
 from studies.summary import Row, Summary, to_csv
@@ -48,6 +48,7 @@ def _rows(plan: Plan, path: Path, more: tuple[str, ...]) -> Iterator[Row]:
     header = next(lines, [])
     heads = [_head(plan, c.id, c.columns, m) for c in plan.conditions for m in plan.methods]
     by_text = {tuple(_texts(head)[1]): head for head in heads}
+    compared = references(plan.study)
     names = [*(heads[0] if heads else ()), *more, "measure", "unit", *NUMBERS]
     if header and header != _texts(dict.fromkeys(names, ""))[0]:
         raise StoreError(f"{path}: damaged or of another study: its header is not {', '.join(names)}")
@@ -60,6 +61,8 @@ def _rows(plan: Plan, path: Path, more: tuple[str, ...]) -> Iterator[Row]:
         if head is None:
             raise StoreError(f"{where}: damaged or of another study: no such condition and method")
         tail = dict(zip(names[place + 1 :], line[place + 1 :], strict=True))
+        if "against" in tail and _unquoted(tail["against"]) != compared.get(head["method"]):
+            raise StoreError(f"{where}: damaged or of another study: {head['method']} is not compared with that method")
         yield {**head, **_numbers(tail, where)}
 
 

@@ -35,8 +35,8 @@ ALTERNATIVE: Mapping[str, tuple[str, str]] = {
     ),
     "ellipses": (
         "Errors of the points",
-        "One-sigma error ellipses and height bars of one point a group, from model 3.1 and from model 3.3, both cameras "
-        "with auxiliary points; they grow towards the edge.",
+        "One-sigma error ellipses and height bars of one point a group, from model 3.1 and from model 3.3, both "
+        "cameras with auxiliary points; they grow towards the edge.",
     ),
     "table1": (
         "Table 1, published and simulated",
@@ -95,11 +95,11 @@ def plan_figure(block: Block) -> Figure:
 
 def ellipses_figure(errors: Mapping[str, PointErrors]) -> Figure:
     """Error ellipses and height bars, a panel for each model."""
-    figure = new_figure(210, 112)
+    figure = new_figure(210, 132)
     panels = figure.subplots(1, len(errors), sharey=True)
     for axes, (model, found) in zip(panels, errors.items(), strict=True):
         figures_ground.error_ellipses(axes, found, ELLIPSE_UNIT_MM, ELLIPSE_UNIT_GROUND_M)
-        axes.set_title(f"model {SECTIONS[model]} {model}", pad=22.0)
+        axes.set_title(f"model {SECTIONS[model]} {model}", pad=24.0)
     panels[-1].set_ylabel("")
     return figure
 

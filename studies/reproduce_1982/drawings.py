@@ -20,8 +20,8 @@ ENDS = {min(LEVELS): VERMILION, max(LEVELS): BLUE}
 
 SETS_SAY = (
     "Sets of additional parameters, published and simulated",
-    "Rms of the residual vectors of eight sets at the lowest and the highest level of reseau correction, for two cameras "
-    "over two fields: published as diamonds, simulated as dots with two Monte-Carlo standard errors.",
+    "Rms of the residual vectors of eight sets at the lowest and the highest level of reseau correction, for two "
+    "cameras over two fields: published as diamonds, simulated as dots with two Monte-Carlo standard errors.",
 )
 LEVELS_SAY = (
     "What the reseau brings",
