@@ -20,7 +20,7 @@ HOSTILE = "<script>alert(1)</script>"
 FORMULA = r"$\\frac$ $x$"
 CALL = "=HYPERLINK(1)"
 LEVELS = ", ".join(
-    f'{{ label = "{name}", value = {um} }}' for name, um in zip((HOSTILE, FORMULA, CALL), (3.0, 6.0, 7.0))
+    f'{{ label = "{name}", value = {um} }}' for name, um in ((HOSTILE, 3.0), (FORMULA, 6.0), (CALL, 7.0))
 )
 LARGEST_COMMITTED = 1_500_000
 """bytes"""
