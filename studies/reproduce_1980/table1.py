@@ -73,10 +73,12 @@ def table1_markdown(table: pd.DataFrame) -> str:
 
 def errors_markdown(table: pd.DataFrame) -> str:
     """The means over trials with their Monte-Carlo standard errors, n and failures."""
-    names = {"m0_um": "m0 um", "mu_xy_mm": "mu_xy 2-D mm", "mu_z_mm": "mu_z mm"}
+    names = {"m0_um": ("m0 um", 4), "mu_xy_mm": ("mu_xy 2-D mm", 2), "mu_z_mm": ("mu_z mm", 2)}
     means = {
-        title: [f"{m:.2f} ± {e:.2f}" for m, e in table[[f"sim_{name}", f"sim_{name}_mcse"]].to_numpy(float)]
-        for name, title in names.items()
+        title: [
+            f"{m:.{digits}f} ± {e:.{digits}f}" for m, e in table[[f"sim_{name}", f"sim_{name}_mcse"]].to_numpy(float)
+        ]
+        for name, (title, digits) in names.items()
     }
     head = table[["model", "block"]].assign(**{"aux points": table["aux_points"].map({False: "without", True: "with"})})
     return markdown(pd.concat([head.assign(**means), table[["n", "failures"]]], axis=1))
