@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 POINT_UNIT_MM = 10.0
 HALF_FORMAT_MM = 115.0
-LINE = 36
+LINE = 30
 """characters that fit below a heat map side by side"""
 DASHES: tuple[Any, ...] = ("-", (0, (5, 1.5)), (0, (1.5, 1.5)), (0, (5, 1.5, 1.5, 1.5)))
 

@@ -168,7 +168,8 @@ def _provenance(origin: Mapping[str, Any], command: str) -> Iterator[str]:
     )
     yield "Run it again with\n"
     yield fenced(command)
-    yield "The scenarios as they were flown stand in full in provenance.json beside this report.\n"
+    if any(isinstance(value, dict) for value in parameters.values()):
+        yield "The scenarios as they were flown stand in full in provenance.json beside this report.\n"
 
 
 def _table(origin: Mapping[str, Any], name: str) -> Mapping[str, Any]:

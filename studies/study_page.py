@@ -93,10 +93,9 @@ def _methods(plan: Plan) -> Iterator[str]:
     against = references(plan.study)
     yield "| method | parameters | compared with |\n| --- | ---: | --- |"
     for method in plan.methods[:MOST_ROWS]:
-        try:
-            parameters = str(len(method.ap_model().parameters))
-        except (KeyError, TypeError, ValueError, OSError):  # a set of the user's own that is not at hand
-            parameters = study_report.DASH
+        # a set of the user's own is code, and a report runs none
+        own = ":" in method.model
+        parameters = study_report.DASH if own else str(len(method.ap_model().parameters))
         yield f"| {escaped(method.key)} | {parameters} | {escaped(against.get(method.key, study_report.DASH))} |"
     yield ""
     if len(plan.methods) > MOST_ROWS:

@@ -157,6 +157,16 @@ def test_a_store_without_its_trials_says_so(copy):
     assert "Zip plots of coverage need the single trials" in text
 
 
+def test_a_report_runs_no_code_of_a_folder(tmp_path, monkeypatch):
+    """A set of the user's own is a Python file; whoever reads a folder of somebody else must not run it."""
+    monkeypatch.chdir(tmp_path)
+    own = "from adjust.ap_models.mauelshagen import Optical\n\n\nclass Own(Optical):\n    pass\n"
+    (tmp_path / "own.py").write_text(own, encoding="utf-8")
+    run_here(tmp_path / "store", study(TEXT, ('ap = ["none", "optical"]', 'ap = ["none", "own.py:Own"]')))
+    (tmp_path / "own.py").write_text("raise SystemExit('run')\n", encoding="utf-8")
+    assert "own.py:Own" in report(tmp_path / "store")
+
+
 def test_a_study_without_trials_has_a_report(tmp_path):
     run_here(tmp_path, study(TEXT, ("max = 96", "max = 0")))
     assert "0 adjustments" in report(tmp_path)
