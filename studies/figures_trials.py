@@ -22,6 +22,8 @@ MOST_INTERVALS = 250
 INTERVAL = 1.96
 LINEAR_UNTIL, LINEAR_WITHIN = 1.5, 0.1
 """the axis of a lollipop plot is linear up to the first, else between plus and minus the second"""
+MOST_LEVELS = 44
+"""characters of the levels of a factor that are named one by one"""
 TRACE_SHARE = 0.34
 """of the height of a nested-loop plot, for the levels of the factors below the curves"""
 
@@ -141,5 +143,9 @@ def _traces(axes: Axes, factors: Mapping[str, Sequence[str]], edges: Floats, top
         base, rise = top - (row + 0.92) * height, 0.42 * height / max(1, len(distinct) - 1)
         steps = base + rise * np.array([distinct.index(level) for level in levels])
         axes.stairs(steps, edges, baseline=None, color=BLACK, linewidth=0.9)
-        said = f"{literal(name)}: {', '.join(map(literal, distinct))}"
-        axes.text(edges[0] + 0.01 * len(levels), base + 0.5 * height, said, fontsize=7, va="bottom")
+        levels_said = ", ".join(distinct)
+        if len(levels_said) > MOST_LEVELS:
+            levels_said = f"{len(distinct)} levels, {distinct[0]} to {distinct[-1]}"
+        said = literal(f"{name}: {levels_said}")
+        where = (edges[0] + 0.01 * len(levels), base + 0.5 * height)
+        axes.text(*where, said, fontsize=7, va="bottom", clip_on=True, in_layout=False)

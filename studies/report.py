@@ -69,8 +69,10 @@ def _plan(folder: Path) -> Plan:
 
     try:
         return study_of(folder)
-    except (StudyError, ScenarioError) as error:
-        raise StoreError(f"{folder}: damaged: {str(error).splitlines()[0]}") from None
+    except (StoreError, StudyError, ScenarioError) as error:
+        first, *more = str(error).splitlines()
+        place = "" if str(folder) in first else f"{folder}: "
+        raise StoreError(place + first + (f"; and {len(more)} lines more like it" if more else "")) from None
     except (TypeError, ValueError, KeyError, AttributeError, OverflowError) as error:
         raise StoreError(f"{folder / 'manifest.json'}: damaged: {error}") from None
 

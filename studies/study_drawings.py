@@ -24,6 +24,8 @@ if TYPE_CHECKING:
 
 WIDTH_MM = 100.0
 """of a figure: 1:1 on a phone, two side by side on a desk"""
+LETTER_MM = 1.3
+"""of the names that stand upright below an axis"""
 MOST_PANELS = 6
 MOST_COMBINATIONS, LEAST_COMBINATIONS = 216, 6
 MOST_PARAMETERS = 16
@@ -123,7 +125,8 @@ def _over_factor(name: str, rows: Sequence[Row], measure: str, unit: str, x: str
     )
     left = f"; {MOST_SERIES} of {len(series)} series" if len(series) > MOST_SERIES else ""
     legend = 4.2 * (-(-shown // (2 if max(map(len, series)) < 28 else 1))) if len(series) > 1 else 0.0
-    height = (86.0 if len(labels) > MANY_LABELS else 68.0) + legend
+    upright = LETTER_MM * max(map(len, labels)) if len(labels) > MANY_LABELS else 0.0
+    height = 68.0 + upright + legend
     return _drawn(name, f"{measure} over {x}{left}", said, height, draw)
 
 

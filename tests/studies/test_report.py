@@ -219,7 +219,8 @@ def one_number_changed(folder):
         (without("manifest.json"), 3, "manifest.json"),
         (without("study.toml"), 3, "study.toml"),
         (edited("study.toml", b"[study]", b"[study"), 3, "study.toml"),
-        (edited("study.toml", b'preset = "grid-small"', b'preset = "rheidt-1980"'), 3, "study"),
+        (edited("study.toml", b"nx = 5, ny = 5", b"nx = 4, ny = 4"), 3, "more like it"),
+        (edited("study.toml", b'preset = "grid-small"', b'preset = "rheidt-1980"'), 3, "study.toml: scenario.field"),
         (without("summary.csv"), 2, "simfield run"),
         (cut("summary.csv", 0.5), 3, "summary.csv"),
         (cut("summary.csv", 0.0), 3, "summary.csv"),
@@ -242,6 +243,7 @@ def test_a_damaged_or_foreign_store_is_refused_in_one_line(copy, injury, code, w
     done = call("report", copy, "-o", copy / "page.html")
     assert done.exit_code == code, done.output
     assert word in done.stderr
+    assert str(copy) in done.stderr
     assert len([line for line in done.stderr.splitlines() if line.startswith("Error")]) == 1
     if code == 3:
         assert len(done.stderr.splitlines()) == 1
