@@ -34,7 +34,10 @@ SAYS = (
 FORMATS = {
     **dict.fromkeys(("put_in_um", "taken_out_um", "left_um", "ap_um", "residual_um", "m0_um"), ".2f"),
     **dict.fromkeys(("mu_xy_mm", "mu_z_mm"), ".1f"),
+    **dict.fromkeys(("m0_um_mcse", "mu_xy_mm_mcse", "mu_z_mm_mcse"), ".3f"),
 }
+WITH_ERROR = {"m0_um": 3, "mu_xy_mm": 2, "mu_z_mm": 2}
+"""means over trials, and the digits that they and their standard errors get"""
 
 
 def write(folder: Path, trials: int, seed: int) -> list[Path]:
@@ -104,12 +107,21 @@ def page(found: pd.DataFrame, trials: int, seed: int) -> str:
         f"`{command(trials, seed)}`: scenario {SCENARIO}, chain {CHAIN}, Helmert "
         f"transformation on four fiducials, model {MODEL}, both cameras with auxiliary points; "
         "one stage at a time, then all together.\n\n"
-        f"{markdown(found, FORMATS)}\n"
+        f"{markdown(_with_errors(found), FORMATS)}\n"
         "put_in, left: rms of an image coordinate before and after the reductions, after the best rotation and shift "
         "of each image. taken_out: root of the difference of squares, negative where the reductions put in more than "
         "they take out (the fiducials' own errors). ap: rms of what the model took up. residual: rms of the "
-        "residuals.\n\n"
+        "residuals. Behind ± stands the Monte-Carlo standard error of a mean over n flights.\n\n"
         f"Root of the sum of squares of the single stages, and all together: left {root['left_um']:.1f} and "
         f"{together['left_um']:.1f} um, mu_xy {root['mu_xy_mm']:.1f} and {together['mu_xy_mm']:.1f} mm, mu_z "
         f"{root['mu_z_mm']:.1f} and {together['mu_z_mm']:.1f} mm.\n\n![Error budget, stage by stage](budget.svg)\n"
     )
+
+
+def _with_errors(found: pd.DataFrame) -> pd.DataFrame:
+    """The table with each mean and its standard error in one cell."""
+    shown = found.drop(columns=[f"{name}_mcse" for name in WITH_ERROR])
+    for name, digits in WITH_ERROR.items():
+        pairs = zip(found[name], found[f"{name}_mcse"], strict=True)
+        shown[name] = [f"{mean:.{digits}f} ± {error:.{digits}f}" for mean, error in pairs]
+    return shown
