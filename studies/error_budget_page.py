@@ -107,7 +107,7 @@ def page(found: pd.DataFrame, trials: int, seed: int) -> str:
         f"`{command(trials, seed)}`: scenario {SCENARIO}, chain {CHAIN}, Helmert "
         f"transformation on four fiducials, model {MODEL}, both cameras with auxiliary points; "
         "one stage at a time, then all together.\n\n"
-        f"{markdown(_with_errors(found), FORMATS)}\n"
+        f"{markdown(_with_errors(found), {k: v for k, v in FORMATS.items() if k not in WITH_ERROR})}\n"
         "put_in, left: rms of an image coordinate before and after the reductions, after the best rotation and shift "
         "of each image. taken_out: root of the difference of squares, negative where the reductions put in more than "
         "they take out (the fiducials' own errors). ap: rms of what the model took up. residual: rms of the "
