@@ -15,7 +15,7 @@ INSTALLED := $(VENV)/.installed
 PEERS := $(VENV)/.peers
 
 .DEFAULT_GOAL := help
-.PHONY: help install test test-slow check reproduce bench
+.PHONY: help install test test-slow check reproduce gallery bench
 
 help: ## show this list
 	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/make \1\t\2/p' $(MAKEFILE_LIST) | expand -t 16
@@ -43,6 +43,10 @@ check: $(INSTALLED) ## ruff, formatting, types and the layers of the packages
 
 reproduce: $(INSTALLED) ## repeat the experiment of Mauelshagen 1980 into results/mauelshagen-1980
 	$(BIN)/simfield reproduce mauelshagen-1980
+	$(BIN)/simfield report results/mauelshagen-1980
+
+gallery: $(INSTALLED) ## draw every kind of figure into docs/gallery
+	$(BIN)/python -m studies.gallery docs
 
 # Other solvers are needed for comparison only.
 $(PEERS): $(INSTALLED)
