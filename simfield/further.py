@@ -95,6 +95,8 @@ class Stations:
             _refuse_one_without_other(values, sigma, columns, sigmas)
         angles = np.nan_to_num(np.abs(self.attitude))
         refuse("stations", angles > ANGLE_MOST, ATTITUDE, np.rad2deg(self.attitude), "|angle| <= 720 degrees")
+        wide = np.nan_to_num(self.sigma_attitude)
+        refuse("stations", wide > ANGLE_MOST, SIGMA_ATTITUDE, np.rad2deg(np.minimum(wide, 1e9)), "<= 720 degrees")
         nothing = np.isnan(self.position).all(axis=1) & np.isnan(self.attitude).all(axis=1)
         if nothing.any():
             raise BlockError("stations", "has neither a position nor an attitude", int(np.argmax(nothing)))

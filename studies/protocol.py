@@ -21,7 +21,7 @@ from adjust.significance import ApSignificance, ap_significance, global_test
 from adjust.unknowns import POINT_NAMES
 from adjust.variance import groups_by_camera, variance_components
 from simfield.block import Floats
-from studies import adjustment_page
+from studies import adjustment_page, protocol_further
 from studies.advice import advice
 
 Record = dict[str, Any]
@@ -65,9 +65,11 @@ def record(a: Adjustment, findings: Findings | None = None) -> Record:
         "groups": groups(findings),
         "ap_significance": {camera: _significance(s) for camera, s in findings.ap.items()},
         "reliability": reliability(findings),
-        "suspected": [_accused(each) for each in findings.snooping.accused],
+        "suspected": [_accused(a, each) for each in findings.snooping.accused],
         "search": _search(findings),
         "control": control(findings),
+        "further": protocol_further.observations(a, findings.reliability),
+        "biases": protocol_further.biases(a),
         "residuals_by_image": residuals_by_image(a),
         "residuals_by_radius": residuals_by_radius(a),
     }
@@ -107,7 +109,7 @@ def datum(a: Adjustment) -> Record:
             "further": [],
         }
     return {
-        "by": "control",
+        "by": "control" if (p.fixed | p.weighted).any() else "further observations",
         "points": [name for name, row in zip(p.ids, p.fixed | p.weighted, strict=True) if row.any()],
         "fixed": {name: int(p.fixed[:, i].sum()) for i, name in enumerate(POINT_NAMES)},
         "weighted": {name: int(p.weighted[:, i].sum()) for i, name in enumerate(POINT_NAMES)},
@@ -272,13 +274,14 @@ def _significance(s: ApSignificance) -> list[Record]:
     ]
 
 
-def _accused(each: Accused) -> Record:
+def _accused(a: Adjustment, each: Accused) -> Record:
+    unit = protocol_further.unit(a, each.row)
     return {
         "observation": each.name,
         "tau": each.statistic,
         "critical": each.critical,
-        "error": each.error,
-        "unit": "m" if "control" in each.name else "mm",
+        "error": protocol_further.factor(unit) * each.error,
+        "unit": unit,
         "redundancy": each.redundancy,
         "confused_with": list(each.confused_with),
     }
