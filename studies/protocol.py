@@ -16,6 +16,7 @@ import numpy as np
 from adjust import Adjustment
 from adjust.datum import MOTIONS, FreeAdjustment
 from adjust.gross_errors import Accused, Snooping, snoop
+from adjust.model_choice import aic, bic, leave_one_image_out
 from adjust.reliability import POWER, Reliability, familywise, noncentrality, tau_critical, w_critical
 from adjust.significance import ApSignificance, ap_significance, global_test
 from adjust.unknowns import POINT_NAMES
@@ -63,6 +64,7 @@ def record(a: Adjustment, findings: Findings | None = None) -> Record:
         "datum": datum(a),
         "global_test": _global_test(a),
         "groups": groups(findings),
+        "model_choice": model_choice(a),
         "ap_significance": {camera: _significance(s) for camera, s in findings.ap.items()},
         "reliability": reliability(findings),
         "suspected": [_accused(a, each) for each in findings.snooping.accused],
@@ -144,6 +146,14 @@ def groups(findings: Findings) -> list[Record]:
             }
         )
     return found
+
+
+def model_choice(a: Adjustment) -> Record:
+    """What to compare with the same block adjusted with another set: the smallest is best."""
+    a = a.regular
+    with np.errstate(divide="ignore", invalid="ignore"):  # a block without any error, or images that nothing predicts
+        found = {"aic": aic(a), "bic": bic(a), "leave_one_image_out_um": leave_one_image_out(a).rms_um}
+    return {name: number(value) for name, value in found.items()}
 
 
 def reliability(findings: Findings) -> Record:

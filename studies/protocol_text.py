@@ -12,6 +12,7 @@ Record = dict[str, Any]
 WIDTH = 110
 DASH = "-"
 PAIRS_MOST = 20
+LEFT_OUT = "leave_one_image_out_um"
 STATUS = {True: "passed", False: "not passed"}
 
 
@@ -98,6 +99,9 @@ def _adjustment(found: Record) -> Iterator[str]:
         f"global test at {test['alpha']:.0%}: vPv = {test['vpv']:.1f} in {test['lower']:.1f} .. {test['upper']:.1f}: "
         f"{STATUS[test['passed']]} (p = {test['p']:.2g})"
     )
+    choice = found["model_choice"]
+    aic, bic, left_out = (_number(choice[name], f) for name, f in (("aic", ".1f"), ("bic", ".1f"), (LEFT_OUT, ".3f")))
+    yield f"AIC {aic}, BIC {bic}, prediction error of images left out {left_out} um (of several sets the smallest is best)"
 
 
 def _groups(found: Record) -> Iterator[str]:
