@@ -101,7 +101,7 @@ def _adjustment(found: Record) -> Iterator[str]:
     )
     choice = found["model_choice"]
     aic, bic, left_out = (_number(choice[name], f) for name, f in (("aic", ".1f"), ("bic", ".1f"), (LEFT_OUT, ".3f")))
-    yield f"AIC {aic}, BIC {bic}, prediction error of images left out {left_out} um (of several sets the smallest is best)"
+    yield f"AIC {aic}, BIC {bic}, prediction error of images left out {left_out} um (the smallest of all sets is best)"
 
 
 def _groups(found: Record) -> Iterator[str]:
