@@ -35,6 +35,7 @@ def adjusted(block: Block, model: ApModel) -> Adjustment:
 
 
 def expected_std(a: Adjustment) -> Floats:
-    """Standard deviations in the layout of `a.x` as they are expected before anything is measured: those of the cofactors
-    and the a priori standard deviations, without the estimated sigma0."""
+    """Standard deviations in the layout of `a.x` as they are expected before anything is measured, without the
+    estimated sigma0: roots of the cofactors, which contain the a priori standard deviations.
+    """
     return np.asarray(np.sqrt(a.cofactors.diagonal))

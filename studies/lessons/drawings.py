@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from simfield.block import Floats
 from studies.canvas import BLACK, BLUE, COLOURS, GREEN, GREY, MARKERS, ORANGE, VERMILION
+from studies.figures import HALF_FORMAT_MM, POINT_UNIT_MM
 from studies.lessons.gross_error import CRITICAL, SIZE_MOST_UM, Planted
 from studies.lessons.interval import Repeated
 from studies.lessons.own_block import Expected
@@ -19,6 +20,8 @@ from studies.lessons.which_model import Compared
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.collections import PathCollection
+
+    from studies.distortion import VectorField
 
 INTERVALS_SHOWN = 100
 
@@ -47,7 +50,7 @@ def correlations(axes: Axes, curve: Sequence[Correlated], here: Correlated) -> N
         axes.plot([here.r0_mm], [getattr(here, quantity)], color=colour, marker=marker, markersize=8)
     axes.axvline(here.r0_mm, color=GREY, linewidth=0.7)
     axes.set(xlabel="second zero r0, mm", ylabel="correlation, mean of the middle images", ylim=(0, 1), xlim=(-3, 143))
-    axes.legend(loc="upper right")
+    axes.legend(loc="upper center", bbox_to_anchor=(0.5, 1.13), ncols=2)
 
 
 def radial_with_second_zero(axes: Axes, without: Correlated, here: Correlated) -> None:
@@ -59,7 +62,20 @@ def radial_with_second_zero(axes: Axes, without: Correlated, here: Correlated) -
     axes.axhline(0.0, color=GREY, linewidth=0.7)
     axes.plot([here.r0_mm], [0.0], marker="o", markersize=6, color=BLUE)
     axes.set(xlabel="image radius, mm", ylabel="radial distortion ± standard deviation, µm", xlim=(0, 150))
-    axes.legend(loc="upper left")
+    axes.legend(loc="upper center", bbox_to_anchor=(0.5, 1.13), ncols=2)
+
+
+def distortion_field(axes: Axes, field: VectorField, title: str, unit_um: float) -> None:
+    """Vectors over the format; one of unit_um is as long as 10 mm of the image."""
+    heads: dict[str, Any] = {"headwidth": 3.5, "headlength": 4.0, "headaxislength": 3.6, "width": 0.006}
+    scale = unit_um / POINT_UNIT_MM
+    axes.quiver(*field.xy_mm.T, *field.vectors_um.T, angles="xy", scale_units="xy", scale=scale, color=BLUE, **heads)
+    axes.plot(*field.xy_mm.T, linestyle="none", marker=".", markersize=2, color=BLUE)
+    edge = HALF_FORMAT_MM * np.array([-1.0, 1.0, 1.0, -1.0, -1.0])
+    axes.plot(edge, np.roll(edge, 1), color=GREY, linewidth=0.7)
+    limit = HALF_FORMAT_MM + 15.0
+    axes.set(xlim=(-limit, limit), ylim=(-limit, limit), aspect="equal", xticks=(-100, 0, 100), yticks=(-100, 0, 100))
+    axes.set(title=title, ylabel="y, mm", xlabel=f"x, mm; vectors: 10 mm are {unit_um:g} µm")
 
 
 def sets_compared(axes: Axes, found: Compared, chosen: str) -> None:
@@ -77,7 +93,7 @@ def sets_compared(axes: Axes, found: Compared, chosen: str) -> None:
     axes.set(ylim=(len(names) - 0.4, -0.6), xlabel="times that of the best set")
     axes.set_xlim(left=0.9, right=max(1.5, axes.get_xlim()[1]))
     axes.grid(True, axis="x")
-    axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.2), ncols=3, columnspacing=1.0, handletextpad=0.2)
+    axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.2), ncols=3, columnspacing=0.8, handletextpad=0.1)
 
 
 def zip_plot(axes: Axes, found: Repeated) -> None:
@@ -106,7 +122,9 @@ def running_coverage(axes: Axes, found: Repeated, confidence: float) -> None:
     axes.axhline(100.0 * confidence, color=BLACK, linewidth=0.9)
     axes.plot(n, 100.0 * share, color=BLUE, label="found")
     bottom = min(70.0, 100.0 * float(share[-1]) - 10.0)
-    axes.set(xlabel="trials", ylabel="intervals with the truth inside, %", ylim=(max(bottom, 0.0), 101.0), xlim=(1, n[-1]))
+    axes.set(
+        xlabel="trials", ylabel="intervals with the truth inside, %", ylim=(max(bottom, 0.0), 101.0), xlim=(1, n[-1])
+    )
     axes.legend(loc="upper center", bbox_to_anchor=(0.5, 1.12), ncols=2)
 
 
@@ -120,11 +138,15 @@ def tests(axes: Axes, found: Planted) -> None:
     # control rows come after the image coordinates and have no place here
     accused = [row for row in found.accused if row < len(w)]
     axes.plot(
-        *(accused, w[accused]),
-        **{"linestyle": "none", "marker": "o", "fillstyle": "none", "markersize": 11, "color": VERMILION},
+        *(accused, w[accused], "o"),
+        color=VERMILION,
+        fillstyle="none",
+        markersize=11,
         label="accused",
     )
-    axes.plot(found.row, w[found.row], marker="D", linestyle="none", markersize=6, color=BLUE, label="the falsified one")
+    axes.plot(
+        found.row, w[found.row], marker="D", linestyle="none", markersize=6, color=BLUE, label="the falsified one"
+    )
     axes.set(xlabel="image coordinate, number", ylabel="|w|, standardised residual", ylim=(0, max(5.0, 1.12 * w.max())))
     axes.legend(loc="upper center", bbox_to_anchor=(0.5, 1.14), ncols=3, columnspacing=1.0, handletextpad=0.2)
 
@@ -139,14 +161,17 @@ def power(axes: Axes, found: Planted, asked: float) -> None:
         axes.text(found.mdb_um + 1.0, 4.0, f"minimal detectable\n{found.mdb_um:.0f} µm", va="bottom")
     else:
         axes.text(0.5 * SIZE_MOST_UM, 50.0, f"minimal detectable: {found.mdb_um:.0f} µm", ha="center")
-    axes.set(xlabel="size of the error, µm", ylabel="probability to be noticed, %", ylim=(0, 103), xlim=(0, SIZE_MOST_UM))
+    axes.set(
+        xlabel="size of the error, µm", ylabel="probability to be noticed, %", ylim=(0, 103), xlim=(0, SIZE_MOST_UM)
+    )
 
 
 def accuracy_map(axes: Axes, found: Expected) -> PathCollection:
     """The expected standard deviation of the heights over the area, control, and where the images are taken."""
     axes.plot(*found.exterior[:, :2].T / 1000.0, linestyle="none", marker="+", markersize=5, color=GREY, label="images")
     free = ~found.control
-    dots = axes.scatter(*found.places[free].T / 1000.0, c=found.std_mm[free, 2], cmap="viridis_r", s=36)
+    x, y = found.places[free].T / 1000.0
+    dots = axes.scatter(x, y, c=found.std_mm[free, 2], cmap="viridis_r", s=36)
     label = "control"
     axes.plot(*found.places[found.control].T / 1000.0, linestyle="none", marker="^", color=VERMILION, label=label)
     axes.set(xlabel="X, km", ylabel="Y, km", aspect="equal")
@@ -163,7 +188,9 @@ def expected_bars(axes: Axes, found: Expected) -> None:
         axes.text(value, row, f" {value:.0f}", va="center", color=BLACK)
     rule = (found.rule_xy_mm, found.rule_z_mm)
     axes.plot(rule, (0, 1), linestyle="none", marker="|", markersize=26, markeredgewidth=2.0, color=GREEN)
-    axes.plot([], [], linestyle="none", marker="|", markersize=10, markeredgewidth=2.0, color=GREEN, label="rule of thumb")
+    axes.plot(
+        [], [], linestyle="none", marker="|", markersize=10, markeredgewidth=2.0, color=GREEN, label="rule of thumb"
+    )
     axes.set_yticks(range(3), names)
     axes.set(xlabel="expected standard deviation, mm", ylim=(2.6, -0.6), xlim=(0, 1.18 * max(*values, *rule)))
     axes.legend(loc="upper center", bbox_to_anchor=(0.5, 1.14))

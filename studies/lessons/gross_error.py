@@ -70,7 +70,8 @@ class Planted:
 
 
 def scenario() -> Scenario:
-    """Three strips of four wide-angle images, 169 points of which five are control: a block as it is flown every day."""
+    """Three strips of four wide-angle images, 169 points of which five are control: a block as it is flown "
+    "every day."""
     return Scenario(
         name="gross-error",
         field=RegularGrid(nx=13, ny=13, spacing_m=320.0),

@@ -46,7 +46,7 @@ LESSONS = (
     Lesson(
         "interval",
         "What is a 95 % interval?",
-        "Repeat a flight hundreds of times and count how many intervals contain the truth, with right and wrong models.",
+        "Repeat a flight hundreds of times and count how many intervals hold the truth, with right and wrong models.",
     ),
     Lesson(
         "gross_error",

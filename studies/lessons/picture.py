@@ -19,6 +19,10 @@ _ONE_AT_A_TIME = Lock()
 """matplotlib's settings belong to the process, and every visitor has a thread of the same process"""
 
 
+LEAST_WIDTH = "40rem"
+"""narrower screens scroll, so that letters stay readable"""
+
+
 @dataclass(frozen=True)
 class Picture:
     """An SVG and the words for those who do not see it."""
@@ -29,7 +33,8 @@ class Picture:
     def _repr_html_(self) -> str:
         data = base64.b64encode(self.svg).decode("ascii")
         words = html.escape(self.alternative, quote=True)
-        return f'<img alt="{words}" style="width:100%;height:auto" src="data:image/svg+xml;base64,{data}">'
+        image = f'<img alt="{words}" style="width:100%;min-width:{LEAST_WIDTH}" src="data:image/svg+xml;base64,{data}">'
+        return f'<div style="overflow-x:auto">{image}</div>'
 
 
 def picture(width_mm: float, height_mm: float, alternative: str, draw: Callable[[Figure], None]) -> Picture:

@@ -1,6 +1,7 @@
 """Lesson 2: why a second zero crossing? The correlation of flying height and radial distortion in the block of 1980.
 
-Model 3.1 of Mauelshagen 1980: dx = x [a3 (r^2 - r0^2) + a4 (r^4 - r0^4)] + ..., dy alike. A change of r0 adds a multiple
+Model 3.1 of Mauelshagen 1980: dx = x [a3 (r^2 - r0^2) + a4 (r^4 - r0^4)] + ..., dy alike. A change of r0 adds
+a multiple
 of (x, y) to each term, which over flat ground is a change of the flying height Z0. So r0 changes the names of things
 and no thing: residuals, points and sigma0 stay what they are.
 """

@@ -24,13 +24,17 @@ def heading(lesson_id: str, introduction: str) -> mo.Html:
 
 def numbers(*shown: tuple[str, str, str]) -> mo.Html:
     """Numbers side by side: what it is, the value with its unit, and a remark."""
-    cells = "".join(
-        f'<div style="{NUMBER}"><dt style="font-size:0.85rem">{html.escape(label)}</dt>'
-        f'<dd style="font-size:1.45rem;margin:0" data-number="{html.escape(label, quote=True)}">{html.escape(value)}</dd>'
-        f'<div style="font-size:0.8rem;color:#5a5a5a">{html.escape(remark)}</div></div>'
-        for label, value, remark in shown
-    )
+    cells = "".join(_number(*each) for each in shown)
     return mo.Html(f'<dl style="{NUMBERS}">{cells}</dl>')
+
+
+def _number(label: str, value: str, remark: str) -> str:
+    name, shown = html.escape(label, quote=True), html.escape(value.replace("-", "−"))
+    return (
+        f'<div style="{NUMBER}"><dt style="font-size:0.85rem">{name}</dt>'
+        f'<dd style="font-size:1.45rem;margin:0" data-number="{name}">{shown}</dd>'
+        f'<div style="font-size:0.8rem;color:#5a5a5a">{html.escape(remark)}</div></div>'
+    )
 
 
 def controls(*elements: object) -> mo.Html:

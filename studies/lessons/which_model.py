@@ -37,7 +37,7 @@ HEADINGS_GON = {1: (0.0,), 4: (0.0, 100.0, 200.0, 300.0)}
 NOISE_UM = 4.0
 SIZE_UM = 8.0
 """quadratic mean of the distortion over the format"""
-CELLS = 9
+CELLS = 7
 """residuals are averaged over so many cells each way"""
 TRIALS = 64
 """flights with the same geometry and other noise, so that one lucky flight does not decide"""
@@ -105,7 +105,7 @@ def _fitted(world: World, block: Block, name: str) -> Fitted:
     except ValueError as error:
         raise LessonError(f"this block cannot be adjusted with {name}: {error}") from error
     checks = np.asarray(block.points.role == "check")
-    error = 1000.0 * (flights.points[flights.ok] - world.field.coordinates[world.place])[:, checks]
+    missed = 1000.0 * (flights.points[flights.ok] - world.field.coordinates[world.place])[:, checks]
     claimed = 1000.0 * flights.nominal.layout.points(expected_std(flights.nominal))[checks]
     sigma0 = root_mean_square(flights.sigma0[flights.ok])
     return Fitted(
@@ -113,8 +113,8 @@ def _fitted(world: World, block: Block, name: str) -> Fitted:
         parameters=len(model.parameters),
         m0_um=sigma0 * flights.nominal.unit_weight_um,
         sigma0=sigma0,
-        rms_xy_mm=root_mean_square(error[:, :, :2]),
-        rms_z_mm=root_mean_square(error[:, :, 2]),
+        rms_xy_mm=root_mean_square(missed[:, :, :2]),
+        rms_z_mm=root_mean_square(missed[:, :, 2]),
         claimed_xy_mm=sigma0 * root_mean_square(claimed[:, :2]),
         claimed_z_mm=sigma0 * root_mean_square(claimed[:, 2]),
         residuals=mean_residuals(without_noise),

@@ -20,9 +20,9 @@ def _():
 def _(showing):
     showing.heading(
         "interval",
-        "An adjustment says: 12.345 m, with a 95 % interval of ± 30 mm. The truth is inside or it is not; what are the 95 %? "
-        "Here the same flight is measured again and again, with new noise each time, and you count. The camera has the "
-        "distortion of its lens and an affinity of the film, as in 1980.",
+        "An adjustment says: 12.345 m, with a 95 % interval of ± 30 mm. The truth is inside or it is not; what "
+        "are the 95 %? Here the same flight is measured again and again, with new noise each time, and you count. "
+        "The camera has the distortion of its lens and an affinity of the film, as in 1980.",
     )
     return
 
@@ -60,7 +60,7 @@ def _(found, showing):
 
 @app.cell
 def _(CONFIDENCE, drawings, found, picture):
-    def draw(figure):
+    def _draw(figure):
         left, right = figure.subplots(1, 2)
         drawings.zip_plot(left, found)
         drawings.running_coverage(right, found, CONFIDENCE)
@@ -69,9 +69,9 @@ def _(CONFIDENCE, drawings, found, picture):
         *(180, 95),
         f"Left: intervals of single trials, those without the truth in another colour. Right: the share of intervals "
         f"with the truth inside, {100 * found.coverage:.1f} % after {len(found.error_mm)} trials.",
-        draw,
+        _draw,
     )
-    return (draw,)
+    return
 
 
 @app.cell
@@ -80,26 +80,28 @@ def _(mo):
         {
             "What to try": mo.md(
                 """
-- With **torlegard**, which can describe this camera, measure anew several times. The share moves around 95 % inside the
-  grey band; with more trials the band narrows as $1/\\sqrt n$.
-- Take **optical**, which does not know the affinity. For the plan at the edge about half of all intervals miss the truth, though
-  each of them looks as respectable as before: the error is the same in every trial, and an interval knows of noise only.
-- For heights the same wrong set gives *more* than 95 %: σ₀ has grown, and makes all intervals wider, also where nothing is
-  wrong.
+- With **torlegard**, which can describe this camera, measure anew several times. The share moves around 95 % inside
+  the grey band; with more trials the band narrows as $1/\\sqrt n$.
+- Take **optical**, which does not know the affinity. For the plan at the edge about half of all intervals miss the
+  truth, though each of them looks as respectable as before: the error is the same in every trial, and an interval
+  knows of noise only.
+- For heights the same wrong set gives *more* than 95 %: σ₀ has grown, and makes all intervals wider, also where
+  nothing is wrong.
 """
             ),
             "The formulas": mo.md(
                 r"""
 The interval is $\hat x \pm t\,s$ with $s = \sigma_0\sqrt{q_{xx}}$ and Student's $t$ for 97.5 % and $r$ degrees of
-freedom. If the model is right, $(\hat x - x)/s$ has that distribution, and 95 % of *all such intervals* contain $x$; of a
-single one nothing is said. If the model leaves a distortion $\delta$ over, $\hat x$ scatters around
+freedom. If the model is right, $(\hat x - x)/s$ has that distribution, and 95 % of *all such intervals* contain
+$x$; of a single one nothing is said. If the model leaves a distortion $\delta$ over, $\hat x$ scatters around
 $x + (Q A^\top P\,\delta)_x$ instead.
 
-The share $p$ found in $n$ trials has the Monte-Carlo standard error $\sqrt{p\,(1-p)/n}$: 1.5 % for 200 trials, 0.7 % for
-1000.
+The share $p$ found in $n$ trials has the Monte-Carlo standard error $\sqrt{p\,(1-p)/n}$: 1.5 % for 200 trials, 0.7
+% for 1000.
 """
             ),
-        }
+        },
+        multiple=True,
     )
     return
 

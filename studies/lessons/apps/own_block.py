@@ -19,8 +19,9 @@ def _():
 def _(own_block, showing):
     showing.heading(
         "own_block",
-        f"An area of 4 km × 4 km with {own_block.POINTS_A_SIDE**2} points is to be measured with a wide-angle camera. Every image "
-        "costs money, and so does every control point. What accuracy may the client be promised before anybody flies?",
+        f"An area of 4 km × 4 km with {own_block.POINTS_A_SIDE**2} points is to be measured with a wide-angle "
+        "camera. Every image costs money, and so does every control point. What accuracy may the client be "
+        "promised before anybody flies?",
     )
     return
 
@@ -48,14 +49,18 @@ def _(found, showing):
         ("images", f"{found.images}", f"in {found.strips} strips; {control_points} control points"),
         ("X, Y", f"{found.rms_xy_mm:.0f} mm", f"expected; rule of thumb {found.rule_xy_mm:.0f} mm"),
         ("Z", f"{found.rms_z_mm:.0f} mm", f"expected; rule of thumb {found.rule_z_mm:.0f} mm"),
-        ("Z of the worst point", f"{found.worst_z_mm:.0f} mm", f"{found.lost} points are seen in fewer than two images"),
+        (
+            "Z of the worst point",
+            f"{found.worst_z_mm:.0f} mm",
+            f"{found.lost} points are seen in fewer than two images",
+        ),
     )
     return
 
 
 @app.cell
 def _(drawings, found, picture):
-    def draw(figure):
+    def _draw(figure):
         left, right = figure.subplots(1, 2, width_ratios=(1.15, 1))
         dots = drawings.accuracy_map(left, found)
         figure.colorbar(dots, ax=left, label="standard deviation of Z, mm", shrink=0.8)
@@ -64,10 +69,11 @@ def _(drawings, found, picture):
     picture(
         *(190, 88),
         f"Left: map of the expected standard deviations of heights, with images and control. Right: expected "
-        f"{found.rms_xy_mm:.0f} mm in X and Y, {found.rms_z_mm:.0f} mm in Z, {found.worst_z_mm:.0f} mm for the worst point.",
-        draw,
+        f"{found.rms_xy_mm:.0f} mm in X and Y, {found.rms_z_mm:.0f} mm in Z, {found.worst_z_mm:.0f} mm for the "
+        f"worst point.",
+        _draw,
     )
-    return (draw,)
+    return
 
 
 @app.cell
@@ -76,26 +82,29 @@ def _(mo, own_block):
         {
             "What to try": mo.md(
                 """
-- **Four corners, 1 : 6000, 60 %**: more images than at 1 : 10 000, and heights worse by a power of ten. Narrow strips hang
-  together by a seam only; the middle of the block sags. One control point in the centre, or control all around, mends it.
+- **Four corners, 1 : 6000, 60 %**: more images than at 1 : 10 000, and heights worse by a power of ten. Narrow
+  strips hang together by a seam only; the middle of the block sags. One control point in the centre, or control all
+  around, mends it.
 - **All around**, and move the scale: now the standard deviations follow it, as the rule of thumb says.
-- **80 % of overlap** makes the rule of thumb worse, for the base of a pair is shorter, and the block better, for every
-  point has more rays.
+- **80 % of overlap** makes the rule of thumb worse, for the base of a pair is shorter, and the block better, for
+  every point has more rays.
 - **30 or 50 % of overlap**, or **no control**: read why there is no answer, or a bad one.
 """
             ),
             "The formulas": mo.md(
                 rf"""
-$Q = (A^\top P A)^{{-1}}$ needs the geometry and the standard deviation of an image coordinate ($\sigma = {own_block.NOISE_UM:g}$ µm),
-and no measurement. Expected is $\sqrt{{q_{{jj}}}}$; control counts as free of error, and there are no additional parameters.
-The rules of thumb for the normal case of one pair of images, with the scale number $s$, the flying height $h$ and the base $b$:
+$Q = (A^\top P A)^{{-1}}$ needs the geometry and the standard deviation of an image coordinate
+($\sigma = {own_block.NOISE_UM:g}$ µm), and no measurement. Expected is $\sqrt{{q_{{jj}}}}$; control counts as free
+of error, and there are no additional parameters. The rules of thumb for the normal case of one pair of images, with
+the scale number $s$, the flying height $h$ and the base $b$:
 
 $$\sigma_{{XY}} = s\,\sigma, \qquad \sigma_Z = \sqrt2\,\frac{{h}}{{b}}\,s\,\sigma$$
 
 The sidelap of the strips is 30 %.
 """
             ),
-        }
+        },
+        multiple=True,
     )
     return
 

@@ -19,8 +19,8 @@ def _():
 def _(showing):
     showing.heading(
         "redundancy",
-        "The wide-angle camera of 1980 flies over the field of Rheidt: 41 groups of points on 2 km × 2 km, five of them "
-        "control. Each further image point costs work. Which standard errors does it buy?",
+        "The wide-angle camera of 1980 flies over the field of Rheidt: 41 groups of points on 2 km × 2 km, five "
+        "of them control. Each further image point costs work. Which standard errors does it buy?",
     )
     return
 
@@ -62,9 +62,9 @@ def _(chosen, mo):
     counts = chosen.counts
     mo.md(
         rf"""
-$u = 6m + a\,k + 3p = 6\cdot{counts.images} + {counts.parameters}\cdot{counts.cameras} + 3\cdot{counts.points}
-= {counts.unknowns}$, $\quad n = 2i = 2\cdot{counts.image_points} = {counts.observations}$,
-$\quad r = n - u = {counts.redundancy}$
+$u = 6m + ak + 3p = 6\cdot{counts.images} + {counts.parameters}\cdot{counts.cameras} +
+3\cdot{counts.points} = {counts.unknowns}$,
+$\quad n = 2i = 2\cdot{counts.image_points} = {counts.observations}$, $\quad r = n - u = {counts.redundancy}$
 """
     )
     return (counts,)
@@ -72,7 +72,7 @@ $\quad r = n - u = {counts.redundancy}$
 
 @app.cell
 def _(chosen, drawings, flights, picture):
-    def draw(figure):
+    def _draw(figure):
         left, right = figure.subplots(1, 2)
         drawings.standard_errors(left, flights, chosen, "std_z_mm", "standard error of Z, mm")
         drawings.standard_errors(right, flights, chosen, "std_radial_um", "standard error of radial distortion, µm")
@@ -82,9 +82,9 @@ def _(chosen, drawings, flights, picture):
         *(180, 82),
         f"Standard errors of heights and of radial distortion over the redundancy. Chosen: redundancy "
         f"{chosen.counts.redundancy}, heights {chosen.std_z_mm:.1f} mm, distortion {chosen.std_radial_um:.2f} µm.",
-        draw,
+        _draw,
     )
-    return (draw,)
+    return
 
 
 @app.cell
@@ -101,21 +101,21 @@ def _(mo, redundancy):
         {
             "What to try": mo.md(
                 """
-- Go from one to three **points a group**. The redundancy more than triples, but the heights hardly gain: new points bring
-  new unknowns, and tell little about old ones. The distortion, which all points share, gains.
-- Go from one to four **headings**. Now the heights gain, even more than $1/\\sqrt r$ promises: every point is seen from
-  more sides, and what the camera does to all images alike no longer hides in the orientations.
+- Go from one to three **points a group**. The redundancy more than triples, but the heights hardly gain: new points
+  bring new unknowns, and tell little about old ones. The distortion, which all points share, gains.
+- Go from one to four **headings**. Four times as many images should halve the standard errors; the heights gain
+  more, for what the camera does to all images alike can no longer hide in the orientations.
 - Redundancy alone is no measure: compare two flights that lie above each other in the figure.
 """
             ),
             "The formulas": mo.md(
                 r"""
-$m$ images with six orientation unknowns, $k$ cameras with $a$ additional parameters, $p$ points that are no control,
-$i$ image points with two coordinates: $u = 6m + ak + 3p$, $n = 2i$, $r = n - u$.
+$m$ images with six orientation unknowns, $k$ cameras with $a$ additional parameters, $p$ points that are no
+control, $i$ image points with two coordinates: $u = 6m + ak + 3p$, $n = 2i$, $r = n - u$.
 
-With the design matrix $A$ and the weights $P = \mathrm{diag}(1/\sigma^2)$ the cofactors are $Q = (A^\top P A)^{-1}$,
-and the standard error of unknown $j$ is expected to be $\sqrt{q_{jj}}$. It hangs on the geometry and on $\sigma$
-(here 4 µm), and on no measurement. Model 3.1 of Mauelshagen (1980) with $r_0 = 100$ mm:
+With the design matrix $A$ and the weights $P = \mathrm{diag}(1/\sigma^2)$ the cofactors are
+$Q = (A^\top P A)^{-1}$, and the standard error of unknown $j$ is expected to be $\sqrt{q_{jj}}$. It hangs on the
+geometry and on $\sigma$ (here 4 µm), and on no measurement. Model 3.1 of Mauelshagen (1980) with $r_0 = 100$ mm:
 
 $$dx = x\,[a_3(r^2-r_0^2) + a_4(r^4-r_0^4)] + a_5(r^2+2x^2) + a_6\,2xy$$
 $$dy = y\,[a_3(r^2-r_0^2) + a_4(r^4-r_0^4)] + a_5\,2xy + a_6(r^2+2y^2)$$
@@ -126,7 +126,8 @@ $$dy = y\,[a_3(r^2-r_0^2) + a_4(r^4-r_0^4)] + a_5\,2xy + a_6(r^2+2y^2)$$
                 "| model | cameras | auxiliary points | 6m + ak + 3p | u | printed | 2i − u | r | printed |\n"
                 "|---|---|---|---|--:|--:|---|--:|--:|\n" + table
             ),
-        }
+        },
+        multiple=True,
     )
     return
 

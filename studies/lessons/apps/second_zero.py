@@ -19,9 +19,9 @@ def _():
 def _(showing):
     showing.heading(
         "second_zero",
-        "Radial distortion that grows with the radius looks like another scale of the image, and over flat ground another "
-        "scale looks like another flying height. Mauelshagen (1980) makes the curve vanish a second time, at the radius "
-        "$r_0$. Why?",
+        "Radial distortion that grows with the radius looks like another scale of the image, and over flat ground "
+        "another scale looks like another flying height. Mauelshagen (1980) makes the curve vanish a second time, "
+        "at the radius $r_0$. Why?",
     )
     return
 
@@ -55,7 +55,11 @@ def _(curve, here, showing):
     showing.numbers(
         ("R(Z0, a3)", f"{here.z0_a3:.2f}", f"with r0 = 0 it is {curve[0].z0_a3:.2f}"),
         ("R(Z0, a4)", f"{here.z0_a4:.2f}", f"with r0 = 0 it is {curve[0].z0_a4:.2f}"),
-        ("flying height Z0", f"{here.std_z0_mm:.0f} mm", f"standard deviation; with r0 = 0 {curve[0].std_z0_mm:.0f} mm"),
+        (
+            "flying height Z0",
+            f"{here.std_z0_mm:.0f} mm",
+            f"standard deviation; with r0 = 0 {curve[0].std_z0_mm:.0f} mm",
+        ),
         ("R(a3, a4)", f"{here.a3_a4:.2f}", "does not care about r0"),
     )
     return
@@ -66,8 +70,8 @@ def _(curve, here, mo, second_zero):
     mo.md(
         f"""
 σ₀ is {here.sigma0:.4f}, with $r_0 = 0$ it is {curve[0].sigma0:.4f}. The adjusted points lie
-{second_zero.largest_shift_mm(curve[0], here):.1f} mm apart at most. **The second zero
-changes nothing in the block; it changes what is called distortion and what is called height.**
+{second_zero.largest_shift_mm(curve[0], here):.1f} mm apart at most. **The second zero changes nothing in the block;
+it changes what is called distortion and what is called height.**
 """
     )
     return
@@ -75,7 +79,7 @@ changes nothing in the block; it changes what is called distortion and what is c
 
 @app.cell
 def _(curve, drawings, here, picture):
-    def draw(figure):
+    def _draw(figure):
         left, right = figure.subplots(1, 2)
         drawings.correlations(left, curve, here)
         drawings.radial_with_second_zero(right, curve[0], here)
@@ -84,9 +88,9 @@ def _(curve, drawings, here, picture):
         *(180, 82),
         f"Left: correlations of Z0 with a3 and a4 over r0; at {here.r0_mm:.0f} mm {here.z0_a3:.2f} and "
         f"{here.z0_a4:.2f}. Right: the radial distortion found with r0 = 0 and with r0 = {here.r0_mm:.0f} mm.",
-        draw,
+        _draw,
     )
-    return (draw,)
+    return
 
 
 @app.cell
@@ -97,10 +101,10 @@ def _(mo):
                 """
 - Move $r_0$ from 0 to 100 mm. The paper reports 0.80 to 0.85 without a second zero and almost nothing with
   $r_0 = 100$ mm; the simulated block says nearly the same for $a_3$.
-- Look at the band of the right figure: with $r_0 = 0$ it opens like a fan, because nobody knows how much of the curve is
-  height. With a second zero it stays narrow.
-- Which $r_0$ makes the correlation vanish depends on where the points lie in the images. Add the auxiliary points, or
-  take the other camera.
+- Look at the band of the right figure: with $r_0 = 0$ it opens like a fan, because nobody knows how much of the
+  curve is height. With a second zero it stays narrow.
+- Which $r_0$ makes the correlation vanish depends on where the points lie in the images. Add the auxiliary points,
+  or take the other camera.
 """
             ),
             "The formulas": mo.md(
@@ -110,14 +114,15 @@ Model 3.1 adds to the correction equations, at the measured coordinates $x, y$ w
 $$dx = x\,[a_3(r^2-r_0^2) + a_4(r^4-r_0^4)] + a_5(r^2+2x^2) + a_6\,2xy$$
 $$dy = y\,[a_3(r^2-r_0^2) + a_4(r^4-r_0^4)] + a_5\,2xy + a_6(r^2+2y^2)$$
 
-Another $r_0$ adds $-x\,(a_3\,\Delta r_0^2 + a_4\,\Delta r_0^4)$ to $dx$ and the same with $y$ to $dy$: a change of scale.
-Over flat ground at the distance $h$ a change $dZ_0$ of the flying height does $dx = -x\,dZ_0/h$. So the two can stand in for
-each other, and only tilts and relief tell them apart. The correlation of two unknowns is
-$R_{jk} = q_{jk} / \sqrt{q_{jj}\,q_{kk}}$ with the cofactors $Q = (A^\top P A)^{-1}$. Shown is the mean $|R|$ over the middle
-images of the strips.
+Another $r_0$ adds $-x\,(a_3\,\Delta r_0^2 + a_4\,\Delta r_0^4)$ to $dx$ and the same with $y$ to $dy$: a change of
+scale. Over flat ground at the distance $h$ a change $dZ_0$ of the flying height does $dx = -x\,dZ_0/h$. So the two
+can stand in for each other, and only tilts and relief tell them apart. The correlation of two unknowns is
+$R_{jk} = q_{jk} / \sqrt{q_{jj}\,q_{kk}}$ with the cofactors $Q = (A^\top P A)^{-1}$. Shown is the mean $|R|$ over
+the middle images of the strips.
 """
             ),
-        }
+        },
+        multiple=True,
     )
     return
 

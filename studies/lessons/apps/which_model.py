@@ -9,20 +9,19 @@ app = marimo.App(width="medium", app_title="Which model for which distortion?")
 def _():
     import marimo as mo
 
-    from studies.figures import vectors
     from studies.lessons import drawings, showing, which_model
     from studies.lessons.picture import picture
 
-    return drawings, mo, picture, showing, vectors, which_model
+    return drawings, mo, picture, showing, which_model
 
 
 @app.cell
 def _(showing, which_model):
     showing.heading(
         "which_model",
-        f"You know the distortion, because you choose it: a vector of 8 µm in the quadratic mean over the image. The "
-        f"image noise is {which_model.NOISE_UM:g} µm. Which set of additional parameters fits, and how would somebody "
-        "know who sees σ₀ only?",
+        "You know the distortion, because you choose it: a vector of 8 µm in the quadratic mean over the image. "
+        f"The image noise is {which_model.NOISE_UM:g} µm. Which set of additional parameters fits, and how would "
+        "somebody know who sees σ₀ only?",
     )
     return
 
@@ -46,7 +45,8 @@ def _(headings, showing, truth, which_model):
 def _(found, model):
     fitted = found.fitted[model.value]
     best = min(found.fitted.values(), key=lambda f: f.rms_z_mm)
-    return best, fitted
+    parameters = {0: "no additional parameters"}.get(fitted.parameters, f"{fitted.parameters} parameters")
+    return best, fitted, parameters
 
 
 @app.cell
@@ -61,34 +61,32 @@ def _(fitted, showing, which_model):
 
 
 @app.cell
-def _(best, fitted, mo, which_model):
+def _(best, fitted, mo, parameters, which_model):
     mo.md(
         f"""
-The smallest errors of heights come with **{best.model}**: {best.rms_z_mm:.0f} mm, at $m_0$ = {best.m0_um:.2f} µm. All
-numbers are means over {which_model.TRIALS} flights; the errors are those of the check points against the truth.
-{fitted.model} has {fitted.parameters} parameters.
+The smallest errors of heights come with **{best.model}**: {best.rms_z_mm:.0f} mm, at $m_0$ = {best.m0_um:.2f} µm.
+All numbers are means over {which_model.TRIALS} flights; the errors are those of the check points against the truth.
+**{fitted.model}** has {parameters}.
 """
     )
     return
 
 
 @app.cell
-def _(drawings, fitted, found, picture, truth, vectors):
-    def draw(figure):
+def _(drawings, fitted, found, picture, truth):
+    def _draw(figure):
         axes = figure.subplots(1, 3, width_ratios=(1, 1, 1.05))
-        vectors(axes[0], found.true, found.true, 10.0)
-        axes[0].set_title("true distortion")
-        vectors(axes[1], fitted.residuals, fitted.residuals, 10.0)
-        axes[1].set_title(f"left in the residuals by {fitted.model}")
+        drawings.distortion_field(axes[0], found.true, "true distortion", 10.0)
+        drawings.distortion_field(axes[1], fitted.residuals, f"in the residuals of {fitted.model}", 3.0)
         drawings.sets_compared(axes[2], found, fitted.model)
 
     picture(
         *(190, 82),
         f"Vectors of the true distortion ({truth.value}), of what {fitted.model} leaves in the residuals "
         f"({fitted.residuals.rms_um:.1f} µm), and all sets compared by m0 and by the errors of check points.",
-        draw,
+        _draw,
     )
-    return (draw,)
+    return
 
 
 @app.cell
@@ -97,32 +95,36 @@ def _(mo):
         {
             "What to try": mo.md(
                 """
-- **Lens, ebner12, four headings**: $m_0$ is 2 to 3 % above the noise, which nobody would notice, and the heights are half as
-  bad again as with the right set.
-- **Film off its plane, none, four headings**: $m_0$ is half as large again as the noise, and the points hardly suffer. Four headings
-  turn the image against the ground, and the errors average out.
-- **One heading** instead of four: the residuals become small, for the orientations and the points take up the distortion.
-  It has not gone. It is in your points.
-- **No distortion, brown14, one heading**: parameters that nothing calls for cost accuracy, and $m_0$ says nothing of it.
+- **Lens, ebner12, four headings**: $m_0$ is 2 to 3 % above the noise, which nobody would notice, and the heights
+  are half as bad again as with the right set.
+- **Film off its plane, none, four headings**: $m_0$ is half as large again as the noise, and the points hardly
+  suffer. Four headings turn the image against the ground, and the errors average out.
+- **One heading** instead of four: the residuals become small, for the orientations and the points take up the
+  distortion. It has not gone. It is in your points.
+- **No distortion, brown14, one heading**: parameters that nothing calls for cost accuracy, and $m_0$ says nothing
+  of it.
 """
             ),
             "The formulas": mo.md(
                 r"""
-measured $+\ v =$ projected $+\ d(\text{measured})$, and $\sigma_0 = \sqrt{v^\top P v / r}$, $m_0 = \sigma_0\,\sigma$ with the
-redundancy $r$. A distortion $\delta$ that no parameter describes is split by the adjustment: the part
-$(I - A Q A^\top P)\,\delta$ goes into the residuals and into $\sigma_0$, the part $Q A^\top P\,\delta$ into the unknowns.
-The sets of Mauelshagen (1980), with $r_0 = 100$ mm:
+measured $+\ v =$ projected $+\ d(\text{measured})$, and $\sigma_0 = \sqrt{v^\top P v / r}$,
+$m_0 = \sigma_0\,\sigma$ with the redundancy $r$. A distortion $\delta$ that no parameter describes is split by the
+adjustment: the part $(I - A Q A^\top P)\,\delta$ goes into the residuals and into $\sigma_0$, the part
+$Q A^\top P\,\delta$ into the unknowns. The sets of Mauelshagen (1980), with $r_0 = 100$ mm:
 
 - optical: $dx = x\,[a_3(r^2-r_0^2) + a_4(r^4-r_0^4)] + a_5(r^2+2x^2) + a_6\,2xy$, $\ dy$ alike
 - torlegard: $dx$ as optical; $\ dy = a_1 x + a_2 y\ +\ dy$ of optical
-- brown14: $dx = b_1x + b_2y + b_3xy^2 + \frac{x}{r}q + x\,[b_{10}(r^2-r_0^2) + b_{11}(r^4-r_0^4) + b_{12}(r^6-r_0^6)] +
-  b_{13}(r^2+2x^2) + b_{14}\,2xy$, $\ dy = b_4x^2y + \frac{y}{r}q + y\,[\ldots] + b_{13}\,2xy + b_{14}(r^2+2y^2)$,
-  $\ q = b_5xy + b_6x^3 + b_7x^2y + b_8xy^2 + b_9y^3$
+- brown14, with $q = b_5xy + b_6x^3 + b_7x^2y + b_8xy^2 + b_9y^3$ and
+  $B = b_{10}(r^2-r_0^2) + b_{11}(r^4-r_0^4) + b_{12}(r^6-r_0^6)$:
+  $dx = b_1x + b_2y + b_3xy^2 + \frac{x}{r}q + x\,B + b_{13}(r^2+2x^2) + b_{14}\,2xy$,
+  $dy = b_4x^2y + \frac{y}{r}q + y\,B + b_{13}\,2xy + b_{14}(r^2+2y^2)$
 
-ebner12 knows nothing of physics: its terms are orthogonal on nine points of the image. `simfield models ebner12` prints them.
+ebner12 knows nothing of physics: its terms are orthogonal on nine points of the image. `simfield models ebner12`
+prints them.
 """
             ),
-        }
+        },
+        multiple=True,
     )
     return
 
