@@ -8,7 +8,8 @@ import secrets
 import socket
 import threading
 import webbrowser
-from collections.abc import Callable
+from collections.abc import AsyncIterator, Callable
+from contextlib import asynccontextmanager
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, cast
 
@@ -71,11 +72,24 @@ def application(token: str, port: int) -> App:
     def index(request: Request) -> HTMLResponse:
         return HTMLResponse(index_page())
 
+    shown: list[Any] = []
+
+    def kept(app: Any) -> Any:
+        shown.append(app)
+        return app
+
+    @asynccontextmanager
+    async def lifespan(app: Starlette) -> AsyncIterator[None]:
+        yield
+        # the threads of visitors who are still there would keep the process from ending
+        for each in shown:
+            await each.state.session_manager.shutdown()
+
     builder = marimo.create_asgi_app(quiet=True, include_code=False, session_ttl=SESSION_SECONDS)
     for lesson in LESSONS:
-        builder = builder.with_app(path=f"/{lesson.id}", root=str(lesson.app_file))
-    apps = Starlette(routes=[Route("/", index), Mount("/", builder.build())])
-    return Guard(cast(App, apps), token, port)
+        builder = builder.with_app(path=f"/{lesson.id}", root=str(lesson.app_file), middleware=[kept])
+    routes = [Route("/", index), Mount("/", builder.build())]
+    return Guard(cast(App, Starlette(routes=routes, lifespan=lifespan)), token, port)
 
 
 def warm_up(say: Callable[[str], None]) -> None:

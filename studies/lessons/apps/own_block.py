@@ -28,8 +28,7 @@ def _(own_block, showing):
 
 @app.cell
 def _(mo, own_block, showing):
-    lowest, highest = own_block.SCALES
-    scale = mo.ui.slider(lowest, highest, step=1000, value=10000, label="image scale 1 :", show_value=True)
+    scale = mo.ui.slider(*own_block.SCALES, step=1000, value=10000, label="image scale 1 :", show_value=True)
     overlap = mo.ui.slider(30, 80, step=5, value=60, label="forward overlap, %", show_value=True)
     control = mo.ui.dropdown(list(own_block.LAYOUTS), value="four corners", label="control")
     showing.controls(scale, overlap, control)

@@ -70,8 +70,8 @@ def _(curve, here, mo, second_zero):
     mo.md(
         f"""
 σ₀ is {here.sigma0:.4f}, with $r_0 = 0$ it is {curve[0].sigma0:.4f}. The adjusted points lie
-{second_zero.largest_shift_mm(curve[0], here):.1f} mm apart at most. **The second zero changes nothing in the block;
-it changes what is called distortion and what is called height.**
+{second_zero.largest_shift_mm(curve[0], here):.1f} mm apart at most. **The second zero changes
+next to nothing in the block; it changes what is called distortion and what is called height.**
 """
     )
     return
