@@ -44,9 +44,10 @@ def _(headings, showing, truth, which_model):
 @app.cell
 def _(found, model):
     fitted = found.fitted[model.value]
-    best = min(found.fitted.values(), key=lambda f: f.rms_z_mm)
+    smallest = min(f.rms_z_mm for f in found.fitted.values())
+    best = ", ".join(name for name, f in found.fitted.items() if f.rms_z_mm < 1.02 * smallest)
     parameters = {0: "no additional parameters"}.get(fitted.parameters, f"{fitted.parameters} parameters")
-    return best, fitted, parameters
+    return best, fitted, parameters, smallest
 
 
 @app.cell
@@ -61,10 +62,10 @@ def _(fitted, showing, which_model):
 
 
 @app.cell
-def _(best, fitted, mo, parameters, which_model):
+def _(best, fitted, mo, parameters, smallest, which_model):
     mo.md(
         f"""
-The smallest errors of heights come with **{best.model}**: {best.rms_z_mm:.0f} mm, at $m_0$ = {best.m0_um:.2f} µm.
+The smallest errors of heights, {smallest:.0f} mm, come with **{best}**.
 All numbers are means over {which_model.TRIALS} flights; the errors are those of the check points against the truth.
 **{fitted.model}** has {parameters}.
 """

@@ -3,9 +3,11 @@
 SIMFIELD_SCREENSHOTS names a folder for the pictures that somebody should look at.
 """
 
+import contextlib
 import http.client
 import os
 import shutil
+import signal
 import statistics
 import subprocess
 import sys
@@ -27,8 +29,6 @@ CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shuti
 pytestmark = [
     pytest.mark.slow,
     pytest.mark.skipif(CHROMIUM is None, reason="no chromium here; Debian: apt-get install chromium"),
-    # one server and one browser for all of them
-    pytest.mark.xdist_group("browser"),
 ]
 
 ARGUMENTS = (
@@ -53,20 +53,24 @@ MOVES_OF = {
 """one move in every lesson"""
 
 
-@pytest.fixture(scope="module")
-def server(tmp_path_factory):
-    """(address with the token, process) of a running `simfield teach`."""
-    code = "from studies.cli import main; main()"
-    command = [sys.executable, "-c", code, "teach", "--no-browser"]
-    errors = (tmp_path_factory.mktemp("server") / "stderr").open("w+", encoding="utf-8")
+@contextlib.contextmanager
+def teaching(folder):
+    """(address with the token, process) of a running `simfield teach`, which is ended afterwards."""
+    command = [sys.executable, "-c", "from studies.cli import main; main()", "teach", "--no-browser"]
+    errors = (folder / "stderr").open("w+", encoding="utf-8")
     with errors, subprocess.Popen(command, stdout=subprocess.PIPE, stderr=errors, text=True) as process:
         try:
             line = process.stdout.readline()
             assert line.startswith("open http://127.0.0.1:"), Path(errors.name).read_text(encoding="utf-8")
             yield line.removeprefix("open ").strip(), process
         finally:
-            process.terminate()
-            process.wait(timeout=30)
+            process.kill()
+
+
+@pytest.fixture(scope="module")
+def server(tmp_path_factory):
+    with teaching(tmp_path_factory.mktemp("server")) as running:
+        yield running
 
 
 @pytest.fixture(scope="module")
@@ -221,6 +225,22 @@ def test_who_is_let_in(server, path, headers, wanted):
         assert connection.getresponse().status == wanted
     finally:
         connection.close()
+
+
+@pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
+def test_it_ends_while_pages_are_open(browser, tmp_path, number, code):
+    with teaching(tmp_path) as (address, process):
+        visitor = browser.new_page()
+        visitor.set_default_timeout(PATIENCE_MS)
+        try:
+            visitor.goto(address)
+            open_lesson(visitor, (address, process), "interval")
+            visitor.reload()
+            visitor.wait_for_selector("img[alt]")
+            process.send_signal(number)
+            assert process.wait(timeout=30) == code
+        finally:
+            visitor.close()
 
 
 def test_only_this_machine_can_reach_it(server):
