@@ -20,7 +20,9 @@ App = Callable[[Message, Receive, Send], Awaitable[None]]
 
 HOSTS = ("127.0.0.1", "localhost")
 TOKEN = "token"
-NOT_FOUND, FORBIDDEN, MISDIRECTED = 404, 403, 421
+FORBIDDEN, MISDIRECTED = 403, 421
+# their names contain a hash of their content; a reload would otherwise ask for each of some 200 again
+ASSETS = ((b"cache-control", b"private, max-age=86400, immutable"),)
 
 # marimo's pages have inline scripts and compile expressions; styles are set by scripts
 POLICY = (
@@ -64,7 +66,7 @@ class Guard:
             rest = urlencode([(name, value) for name, value in asked if name != TOKEN])
             await self._welcome(send, scope["path"] + (f"?{rest}" if rest else ""))
         elif self._right(_cookie(headers, self.cookie)):
-            await self.app(scope, receive, self._with_headers(send))
+            await self.app(scope, receive, self._with_headers(send, scope["path"]))
         else:
             await _refuse(scope, receive, send, FORBIDDEN, "open the address that `simfield teach` has printed")
 
@@ -92,12 +94,14 @@ class Guard:
         await send({"type": "http.response.start", "status": 303, "headers": headers})
         await send({"type": "http.response.body", "body": b""})
 
-    def _with_headers(self, send: Send) -> Send:
+    def _with_headers(self, send: Send, path: str) -> Send:
         async def sending(message: Message) -> None:
             if message["type"] == "http.response.start":
-                ours = {name for name, _ in self.headers}
+                asset = message["status"] == 200 and path.rpartition("/")[0].endswith("/assets")
+                added = self.headers + (ASSETS if asset else ())
+                ours = {name for name, _ in added}
                 kept = [(name, value) for name, value in message.get("headers", []) if name.lower() not in ours]
-                message = {**message, "headers": [*kept, *self.headers]}
+                message = {**message, "headers": [*kept, *added]}
             await send(message)
 
         return sending

@@ -111,6 +111,12 @@ def test_a_wrong_token_is_refused(token):
     assert status(HOST, query=f"token={token.encode('utf-8', 'replace').decode()}") == 403
 
 
+def test_files_with_a_hash_in_their_name_are_kept_by_the_browser():
+    kept = (b"cache-control", b"private, max-age=86400, immutable")
+    assert kept in ask(HOST, COOKIE, path="/interval/assets/index-1234.js")[0][0]["headers"]
+    assert kept not in ask(HOST, COOKIE, path="/interval/")[0][0]["headers"]
+
+
 def test_the_browser_is_forbidden_to_ask_others():
     sent, _ = ask(HOST, COOKIE)
     headers = [(name.lower(), value) for name, value in sent[0]["headers"]]
