@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from adjust import Adjustment, ApModel, adjust_block
+from adjust.one_thread import one_thread
 from simfield import Block, Scenario, World, build_world
 from simfield.block import Floats
 from studies.lessons.lesson import SEED, LessonError
@@ -38,4 +39,5 @@ def expected_std(a: Adjustment) -> Floats:
     """Standard deviations in the layout of `a.x` as they are expected before anything is measured, without the
     estimated sigma0: roots of the cofactors, which contain the a priori standard deviations.
     """
-    return np.asarray(np.sqrt(a.cofactors.diagonal))
+    with one_thread():
+        return np.asarray(np.sqrt(a.cofactors.diagonal))

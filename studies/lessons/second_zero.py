@@ -13,6 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from adjust import ap_models
+from adjust.adjustment import correlations
+from adjust.one_thread import one_thread
 from simfield import Block, presets, simulate
 from simfield.block import Floats
 from studies.lessons.adjusted import adjusted
@@ -63,8 +65,9 @@ def correlated(of: OneCamera, r0_mm: float) -> Correlated:
     model = ap_models.get("optical", r0_mm=r0_mm)
     a = adjusted(of.block, model)
     radial = ((of.camera, "a3"), (of.camera, "a4"))
-    r = a.correlation(*radial, *((image, "Z0") for image in of.middle))
-    covariance = a.covariance(*radial, *((image, "Z0") for image in of.middle))
+    with one_thread():
+        covariance = a.covariance(*radial, *((image, "Z0") for image in of.middle))
+    r = correlations(covariance)
     terms = 1000.0 * model.basis(RADII_MM, np.zeros_like(RADII_MM))[:, 0, :2]
     return Correlated(
         r0_mm=r0_mm,

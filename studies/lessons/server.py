@@ -104,6 +104,8 @@ def serve(port: int, *, browser: bool, say: Callable[[str], None]) -> None:
 
     say is told the address with its token. Raises OSError where the port is taken.
     """
+    from threadpoolctl import threadpool_limits
+
     with socket.socket(socket.AF_INET, socket.SOCK_STREAM) as listening:
         listening.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         listening.bind((HOSTS[0], port))
@@ -116,7 +118,9 @@ def serve(port: int, *, browser: bool, say: Callable[[str], None]) -> None:
         say("stop with Ctrl-C")
         if browser:
             threading.Timer(0.5, webbrowser.open, (address,)).start()
-        _server(application(token, port)).run(sockets=[listening])
+        # two threads of BLAS cost several times more when the other core draws for another visitor
+        with threadpool_limits(limits=1, user_api="blas"):
+            _server(application(token, port)).run(sockets=[listening])
 
 
 def _server(app: App) -> uvicorn.Server:
