@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any, NoReturn
 
 import click
 
-from studies import cli_chain, cli_quality, cli_report, cli_studies, installation
+from studies import cli_chain, cli_quality, cli_report, cli_studies, cli_teach, installation
 
 if TYPE_CHECKING:
     from adjust import Adjustment, ApModel
@@ -64,6 +64,7 @@ cli_studies.register(main)
 cli_chain.register(main)
 cli_quality.register(main)
 cli_report.register(main)
+cli_teach.register(main)
 
 
 @main.command()
