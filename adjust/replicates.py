@@ -16,12 +16,12 @@ from typing import Protocol
 import joblib
 import numpy as np
 import numpy.typing as npt
-from threadpoolctl import threadpool_limits
 
 from adjust.adjustment import Adjustment
 from adjust.ap_models.model import ApModel
 from adjust.chord import Chord
 from adjust.kernels import LANES
+from adjust.one_thread import one_thread
 from adjust.status import Status
 from adjust.trials import GAUSS_NEWTON, STATUSES, Trials
 from adjust.workspace import Workspace
@@ -144,13 +144,29 @@ def adjust_replicates(
     that is not linear are all solved by full Gauss-Newton, and `finished_by_gauss_newton` counts them. Raises
     ValueError when the block itself cannot be adjusted or shapes do not fit.
     """
-    count = len(image_points)
     _check_shapes(block, image_points, coordinates)
-    with threadpool_limits(1):
-        chord = Chord.of(block, model, exact_std)
+    return adjust_prepared(prepared(block, model, exact_std=exact_std), image_points, coordinates=coordinates, jobs=jobs)
+
+
+def prepared(
+    block: Block, model: ApModel | Mapping[str, ApModel] | None, *, exact_std: bool = False
+) -> Chord:
+    """What all trials of a geometry share, for several calls of `adjust_prepared`: the adjustment of the block itself
+    and its cofactors. Raises ValueError when the block cannot be adjusted.
+    """
+    with one_thread():
+        return Chord.of(block, model, exact_std)
+
+
+def adjust_prepared(
+    chord: Chord, image_points: ImagePointTrials, *, coordinates: Floats | None = None, jobs: int = 1
+) -> Replicates:
+    """`adjust_replicates` for a geometry that has been prepared. Raises ValueError where shapes do not fit."""
+    count = len(image_points)
+    _check_shapes(chord.nominal.block, image_points, coordinates)
     tasks = [slice(first, min(first + TASK, count)) for first in range(0, count, TASK)]
     if jobs == 1 or len(tasks) <= 1:
-        trials = Trials.empty(count, len(chord.nominal.x), exact_std)
+        trials = Trials.empty(count, len(chord.nominal.x), chord.exact_std)
         for task in tasks:
             _solve(chord, image_points, coordinates, task, trials.part(task))
     else:
@@ -193,7 +209,7 @@ def _solve(
 ) -> None:
     """Solve some trials in blocks of LANES, into `trials`."""
     room = Workspace.of(chord.nominal, len(chord.free), image_points)
-    with threadpool_limits(1):
+    with one_thread():
         for first in range(task.start, task.stop, LANES):
             block = slice(first, min(first + LANES, task.stop))
             into = trials.part(slice(block.start - task.start, block.stop - task.start))
