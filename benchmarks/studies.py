@@ -23,7 +23,7 @@ from adjust.replicates import adjust_replicates
 from benchmarks import machine
 from simfield import build_world
 from studies import run, shipped, study_report, summary
-from studies.geometry import Geometry, _last
+from studies.geometry import Geometry, forget
 from studies.plan import Plan
 
 LATEST = Path(__file__).parent / "latest_studies.json"
@@ -95,7 +95,7 @@ def studied(plan: Plan, folder: Path) -> dict[str, Callable[[], object]]:
     found: dict[str, Any] = {}
 
     def trials() -> None:
-        _last.clear()  # as in a new process
+        forget()  # as in a new process
         found["store"] = run.opened(folder, plan)
         run.compute_missing(plan, found["store"], run.How(backend="here"), lambda line: None, lambda done, of: None)
 

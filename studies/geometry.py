@@ -66,3 +66,9 @@ def geometry_of(condition: Condition) -> Geometry:
             _last.clear()
             _last[condition.id] = Geometry(build_world(condition.scenario, condition.seed))
         return _last[condition.id]
+
+
+def forget() -> None:
+    """Let go of the geometry that is kept."""
+    with _one:
+        _last.clear()
