@@ -144,13 +144,29 @@ def adjust_replicates(
     that is not linear are all solved by full Gauss-Newton, and `finished_by_gauss_newton` counts them. Raises
     ValueError when the block itself cannot be adjusted or shapes do not fit.
     """
-    count = len(image_points)
     _check_shapes(block, image_points, coordinates)
+    return adjust_prepared(
+        prepared(block, model, exact_std=exact_std), image_points, coordinates=coordinates, jobs=jobs
+    )
+
+
+def prepared(block: Block, model: ApModel | Mapping[str, ApModel] | None, *, exact_std: bool = False) -> Chord:
+    """What all trials of a geometry share, for several calls of `adjust_prepared`: the adjustment of the block itself
+    and its cofactors. Raises ValueError when the block cannot be adjusted.
+    """
     with one_thread():
-        chord = Chord.of(block, model, exact_std)
+        return Chord.of(block, model, exact_std)
+
+
+def adjust_prepared(
+    chord: Chord, image_points: ImagePointTrials, *, coordinates: Floats | None = None, jobs: int = 1
+) -> Replicates:
+    """`adjust_replicates` for a geometry that has been prepared. Raises ValueError where shapes do not fit."""
+    count = len(image_points)
+    _check_shapes(chord.nominal.block, image_points, coordinates)
     tasks = [slice(first, min(first + TASK, count)) for first in range(0, count, TASK)]
     if jobs == 1 or len(tasks) <= 1:
-        trials = Trials.empty(count, len(chord.nominal.x), exact_std)
+        trials = Trials.empty(count, len(chord.nominal.x), chord.exact_std)
         room = _workspace(chord, image_points)
         for task in tasks:
             _solve(chord, image_points, coordinates, task, room, trials.part(task))

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from studies.block_task import BlockTask
+from studies.worker import prepare
 
 Work = Callable[[BlockTask], int]
 """computes a block, writes its shard, and returns the number of its trials"""
@@ -57,7 +58,7 @@ def joblib_processes(
         limit = max(task_limit_s(task, trial_limit_s) for task in left)
         parallel: Any = Parallel(
             n_jobs=jobs, backend="loky", return_as="generator_unordered", batch_size=1, pre_dispatch="2*n_jobs",
-            timeout=limit,
+            timeout=limit, initializer=prepare,
         )  # fmt: skip
         finished = parallel(delayed(work)(task) for task in left)
         try:

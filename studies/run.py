@@ -9,7 +9,8 @@ from pathlib import Path
 
 from studies import backends, isolation, stopping
 from studies.backends import Broken
-from studies.block_task import BlockTask, Draw, compute, image_points, run_task
+from studies.block_task import BlockTask, Draw, compute, run_task
+from studies.drawn_trials import image_points
 from studies.machine import machine
 from studies.plan import Plan, Shard, look_at
 from studies.store import Store, locked

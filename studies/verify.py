@@ -8,7 +8,8 @@ from pathlib import Path
 
 import numpy as np
 
-from studies.block_task import Columns, Draw, compute, image_points
+from studies.block_task import Columns, Draw, compute
+from studies.drawn_trials import image_points
 from studies.machine import processor
 from studies.plan import Plan, look_at
 from studies.store import NOMINAL, Store, StoreError, locked, read_json

@@ -41,6 +41,16 @@ def test_several_wrong_types_and_unknown_keys_are_reported_at_once() -> None:
     assert any(line.startswith("study.name: found 5, allowed:") for line in found)
 
 
+def test_faults_of_form_hide_no_fault_of_content() -> None:
+    wrong = TEXT.replace("max = 96", 'max = "many"\nblok = 3').replace('"optical"', '"opticl"')
+    wrong = wrong.replace('name = "small"', 'name = "A B"').replace('"grid-small"', '"grid-smal"')
+    wrong = wrong.replace("[grid]", "[grid]\nnoise_umm = [1.0]")
+    places = ("trials.max", "trials.blok", "study.name", "methods.ap[1]", "scenario.preset", "grid.noise_umm")
+    found = faults(wrong)
+    assert [place for place in places if not any(line.startswith(f"{place}: ") for line in found)] == []
+    assert len(found) == len(places)
+
+
 @pytest.mark.parametrize(
     ("old", "new", "line"),
     [
