@@ -4,6 +4,7 @@ d(measured).
 
 from __future__ import annotations
 
+import zlib
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Literal
@@ -11,9 +12,10 @@ from typing import Literal
 import numpy as np
 
 from simfield.block import Floats, Indices
+from simfield.counter_normals import Words, normal_pairs
 from simfield.effects import EffectOn, FilmAffine, FilmPolynomial
 from simfield.flights import FlightPlan
-from simfield.streams import stream
+from simfield.streams import counter_key
 
 SETTLED = 4.0 * float(np.finfo(np.float64).eps)
 """A step of so small a share of the largest coordinate is rounding, not distortion: 1e-13 mm on a 23 cm film."""
@@ -81,22 +83,53 @@ class DrawnFilm:
         return tuple(found)
 
 
+@dataclass(frozen=True, eq=False)
+class FilmTable:
+    """What is drawn for the film of a trial: e products of a standard deviation and a pair of normal numbers.
+
+    image (e), column (e) of the monomials, sigma (e, 2) of the coefficients in dx and dy; a pair hangs on key (e, 2),
+    the column, owner (e) and the number of the trial (simfield.counter_normals). Sorted by image.
+    """
+
+    image: Indices
+    column: Indices
+    sigma: Floats
+    key: Words
+    owner: Words
+
+    @classmethod
+    def of(cls, film: Sequence[FilmVariation], plan: FlightPlan, seed: int) -> FilmTable:
+        """The table of a flight plan."""
+        rows: list[tuple[int, int, float, float, int, int, int]] = []
+        for variation in film:
+            columns = TERMS[variation.terms]
+            sigma = variation.um_at_100mm / 1000.0 / REFERENCE_MM ** DEGREES[columns[0]]
+            key = counter_key(seed, "film", variation.terms, variation.per)
+            for image, owner in enumerate(_owners(variation, plan)):
+                if plan.camera_ids[image] == variation.camera:
+                    in_x = 0.0 if variation.terms == "affinity" else sigma
+                    word = zlib.crc32(owner.encode())
+                    rows += [(image, column, in_x, sigma, *key, word) for column in columns]
+        rows.sort(key=lambda row: row[0])
+        image, column, in_x, in_y, k0, k1, owner = zip(*rows, strict=True) if rows else ((),) * 7
+        return cls(
+            np.array(image, dtype=np.intp),
+            np.array(column, dtype=np.intp),
+            np.column_stack([in_x, in_y]).astype(float),
+            np.column_stack([k0, k1]).astype(np.uint64),
+            np.array(owner, dtype=np.uint64),
+        )
+
+
 def draw_film(film: Sequence[FilmVariation], plan: FlightPlan, seed: int, trial: int) -> DrawnFilm:
     """The film of every image in one trial."""
+    table = FilmTable.of(film, plan, seed)
     coefficients = np.zeros((len(plan), 2, len(DEGREES)))
-    for variation in film:
-        columns = list(TERMS[variation.terms])
-        sigma = variation.um_at_100mm / 1000.0 / REFERENCE_MM ** DEGREES[columns[0]]
-        rows_of: dict[str, list[int]] = {}
-        for row, owner in enumerate(_owners(variation, plan)):
-            if plan.camera_ids[row] == variation.camera:
-                rows_of.setdefault(owner, []).append(row)
-        key = () if variation.per == "image" else (variation.per,)
-        for owner, rows in rows_of.items():
-            drawn = sigma * stream(seed, "film", trial, variation.terms, *key, owner).standard_normal((2, len(columns)))
-            if variation.terms == "affinity":
-                drawn[0] = 0.0
-            coefficients[np.ix_(rows, (0, 1), columns)] += drawn
+    for key in np.unique(table.key, axis=0):
+        own = (table.key == key).all(axis=1)
+        k0, k1 = key.tolist()
+        pairs = normal_pairs((k0, k1), table.column[own].astype(np.uint64), table.owner[own], trial)
+        np.add.at(coefficients, (table.image[own], slice(None), table.column[own]), table.sigma[own] * pairs)
     return DrawnFilm(coefficients)
 
 
