@@ -45,17 +45,17 @@ def film_coefficients(begin, end, column, sigma, key, owner, start, drawn, pair,
 
 
 @numba.njit(cache=True, error_model="numpy")
-def solve_film(x0, y0, local, c, steps, shift, u):  # type: ignore[no-untyped-def]
+def solve_film(x0, y0, local, row, c, steps, shift, u):  # type: ignore[no-untyped-def]
     """u (2, T) solves u = shift (2, T) + local(u) + film(x0 + u) in a fixed number of steps.
 
-    (x0, y0): the place on the film, with the deformation that all trials share; local (2, 5): that deformation around
-    it (simfield.expansion); c (2, COLUMNS, T).
+    (x0, y0): the place on the film, with the deformation that all trials share; local (k, 2, 5): that deformation
+    around the places (simfield.expansion), of which `row` is this one; c (2, COLUMNS, T).
     """
     lanes = u.shape[1]
     for t in range(lanes):
         u[0, t], u[1, t] = shift[0, t], shift[1, t]
-    a0, a1, a2, a3, a4 = local[0, 0], local[0, 1], local[0, 2], local[0, 3], local[0, 4]
-    b0, b1, b2, b3, b4 = local[1, 0], local[1, 1], local[1, 2], local[1, 3], local[1, 4]
+    a0, a1, a2, a3, a4 = local[row, 0, 0], local[row, 0, 1], local[row, 0, 2], local[row, 0, 3], local[row, 0, 4]
+    b0, b1, b2, b3, b4 = local[row, 1, 0], local[row, 1, 1], local[row, 1, 2], local[row, 1, 3], local[row, 1, 4]
     for _ in range(steps):
         for t in range(lanes):
             p, q = u[0, t], u[1, t]
@@ -86,8 +86,8 @@ def add_film(lanes, start, rows, ends, place, local, table_ends, column, sigma, 
         film_coefficients(table_ends[i], table_ends[i + 1], column, sigma, key, owner, start, drawn, pair, c)
         for at in range(ends[i], ends[i + 1]):
             row = rows[at]
-            x, y = place[row]
-            solve_film(x, y, local[row], c, steps, still, u)
+            x, y = place[row, 0], place[row, 1]
+            solve_film(x, y, local, row, c, steps, still, u)
             for tile in range(lanes.shape[0]):
                 for t in range(8):
                     lanes[tile, row, 0, t] += x + u[0, 8 * tile + t]

@@ -55,52 +55,59 @@ def measure_and_reduce(lanes, far, start, points, marks, session, frame, tail, c
         xy, mark_xy = np.empty((end - begin, 2, count)), np.empty((last - first, 2, count))
         measure_image(i, start, points, marks, session, drawn, pair, xy, mark_xy)
         reduce_image(i, frame, points.time[begin:end], marks.time[first:last], xy, mark_xy)
-        if tail.wanted:
-            for at in range(end - begin):
-                beyond += _take_out(
-                    tail.place[begin + at], tail.removed[begin + at], tail.local[begin + at], xy[at], far[begin + at]
-                )
-        if confusion.share > 0:
-            _exchange(i, start, confusion, points, xy, far)
         for at in range(end - begin):
-            row = column[begin + at]
-            for tile in range(lanes.shape[0]):
-                for axis in range(2):
-                    for t in range(8):
-                        lanes[tile, row, axis, t] = xy[at, axis, 8 * tile + t]
+            beyond += _put_down(begin + at, at, tail, xy, far, column[begin + at], lanes)
+        if confusion.share > 0:
+            _exchange(i, start, confusion, points, column, lanes, far)
     return beyond
 
 
 @numba.njit(cache=True, error_model="numpy")
-def _take_out(place, removed, local, xy, far):  # type: ignore[no-untyped-def]
-    """Take out of xy (2, T) what its expansion says; points that are too far stay, and are counted."""
-    a0, a1, a2, a3, a4 = local[0, 0], local[0, 1], local[0, 2], local[0, 3], local[0, 4]
-    b0, b1, b2, b3, b4 = local[1, 0], local[1, 1], local[1, 2], local[1, 3], local[1, 4]
-    x, y, dx, dy = place[0], place[1], removed[0], removed[1]
-    beyond = 0
-    for t in range(xy.shape[1]):
-        u, v = xy[0, t] - x, xy[1, t] - y
-        uu, uv, vv = u * u, u * v, v * v
-        out = max(abs(u), abs(v)) > REACH_MM
-        keep = 0.0 if out else 1.0
-        beyond += out
-        far[t] = out
-        xy[0, t] -= keep * (dx + (a0 * u + a1 * v + a2 * uu + a3 * uv + a4 * vv))
-        xy[1, t] -= keep * (dy + (b0 * u + b1 * v + b2 * uu + b3 * uv + b4 * vv))
+def _put_down(n, at, tail, xy, far, row, lanes):  # type: ignore[no-untyped-def]
+    """Point n of all, xy[at] (2, T), into lanes[:, row] without what its expansion says; returns how many are far."""
+    local, beyond = tail.local, 0
+    if not tail.wanted:
+        for tile in range(lanes.shape[0]):
+            for t in range(8):
+                lanes[tile, row, 0, t], lanes[tile, row, 1, t] = xy[at, 0, 8 * tile + t], xy[at, 1, 8 * tile + t]
+        return 0
+    a0, a1, a2, a3, a4 = local[n, 0, 0], local[n, 0, 1], local[n, 0, 2], local[n, 0, 3], local[n, 0, 4]
+    b0, b1, b2, b3, b4 = local[n, 1, 0], local[n, 1, 1], local[n, 1, 2], local[n, 1, 3], local[n, 1, 4]
+    x, y, dx, dy = tail.place[n, 0], tail.place[n, 1], tail.removed[n, 0], tail.removed[n, 1]
+    most = 0.0
+    for tile in range(lanes.shape[0]):
+        for t in range(8):
+            p, q = xy[at, 0, 8 * tile + t], xy[at, 1, 8 * tile + t]
+            u, v = p - x, q - y
+            uu, uv, vv = u * u, u * v, v * v
+            most = max(most, uu + vv)
+            lanes[tile, row, 0, t] = p - (dx + (a0 * u + a1 * v + a2 * uu + a3 * uv + a4 * vv))
+            lanes[tile, row, 1, t] = q - (dy + (b0 * u + b1 * v + b2 * uu + b3 * uv + b4 * vv))
+    if most <= REACH_MM * REACH_MM:
+        return 0
+    for tile in range(lanes.shape[0]):
+        for t in range(8):
+            p, q = xy[at, 0, 8 * tile + t], xy[at, 1, 8 * tile + t]
+            if (p - x) ** 2 + (q - y) ** 2 > REACH_MM * REACH_MM:
+                lanes[tile, row, 0, t], lanes[tile, row, 1, t] = p, q
+                far[n, 8 * tile + t] = True
+                beyond += 1
     return beyond
 
 
 @numba.njit(cache=True, error_model="numpy")
-def _exchange(i, start, confusion, points, xy, far):  # type: ignore[no-untyped-def]
-    """Exchange the coordinates xy (n, 2, T) of the pairs of image i that were taken for each other."""
-    hit = np.empty(xy.shape[2], dtype=np.bool_)
-    begin, k = points.ends[i], confusion.key
+def _exchange(i, start, confusion, points, column, lanes, far):  # type: ignore[no-untyped-def]
+    """Exchange the coordinates of the pairs of image i that were taken for each other."""
+    count = far.shape[1]
+    hit, word = np.empty(count, dtype=np.bool_), np.empty((4, count // 4), dtype=np.uint64)
+    k = confusion.key
     for p in range(confusion.ends[i], confusion.ends[i + 1]):
         one, other = confusion.first[p], confusion.second[p]
-        if below_share(confusion.word[p], points.second[one], start, k[0], k[1], confusion.share, hit):
-            for t in range(len(hit)):
+        if below_share(confusion.word[p], points.second[one], start, k[0], k[1], confusion.share, word, hit):
+            here, there = column[one], column[other]
+            for t in range(count):
                 if hit[t]:
                     far[one, t], far[other, t] = far[other, t], far[one, t]
                     for axis in range(2):
-                        a, b = xy[one - begin, axis, t], xy[other - begin, axis, t]
-                        xy[one - begin, axis, t], xy[other - begin, axis, t] = b, a
+                        a, b = lanes[t // 8, here, axis, t % 8], lanes[t // 8, there, axis, t % 8]
+                        lanes[t // 8, here, axis, t % 8], lanes[t // 8, there, axis, t % 8] = b, a

@@ -58,80 +58,71 @@ def drift_weights(image: Indices, mark: Indices, time: Floats, images: int) -> F
 @numba.njit(cache=True, error_model="numpy")
 def reduce_image(i, frame, time, mark_time, xy, marks):  # type: ignore[no-untyped-def]
     """xy (n, 2, T) and marks (s, 2, T), mm, of image i are reduced in place; time (n), mark_time (s)."""
-    _remove_drift(frame.drift_weight[i], time, mark_time, xy, marks)
-    if frame.scale_x != 0.0 or frame.scale_y != 0.0 or frame.shear != 0.0:
-        _calibrate(frame.scale_x, frame.scale_y, frame.shear, xy)
-        _calibrate(frame.scale_x, frame.scale_y, frame.shear, marks)
-    if frame.kind >= 0:
-        _inner(frame.kind, frame.fiducial, frame.places[i], xy, marks)
+    lanes = xy.shape[2]
+    rate, centre = np.zeros((2, lanes)), np.zeros((2, lanes))
+    for s in range(len(mark_time)):
+        w = frame.drift_weight[i, s]
+        if w != 0.0:
+            for t in range(lanes):
+                rate[0, t] += w * marks[s, 0, t]
+                rate[1, t] += w * marks[s, 1, t]
+    by_x, by_y, shear = 1.0 / (1.0 + frame.scale_x), 1.0 / (1.0 + frame.scale_y), frame.shear
+    _rectangular(by_x, by_y, shear, rate, centre, mark_time, marks)
+    if frame.kind == NO_KIND:
+        _rectangular(by_x, by_y, shear, rate, centre, time, xy)
+        return
+    for s in frame.fiducial:
+        for t in range(lanes):
+            centre[0, t] += marks[s, 0, t] / len(frame.fiducial)
+            centre[1, t] += marks[s, 1, t] / len(frame.fiducial)
+    for s in range(len(mark_time)):
+        for t in range(lanes):
+            marks[s, 0, t] = (marks[s, 0, t] - centre[0, t]) / UNIT_MM
+            marks[s, 1, t] = (marks[s, 1, t] - centre[1, t]) / UNIT_MM
+    p = _parameters(frame.kind, frame.fiducial, frame.places[i], marks)
+    _apply(frame.kind, p, xy, by_x, by_y, shear, rate, centre, time, 1.0 / UNIT_MM)
     if frame.degree > 0:
+        still = np.zeros((2, lanes))
+        _apply(frame.kind, p, marks, 1.0, 1.0, 0.0, still, still, mark_time, 1.0)
         _reseau(frame.degree, frame.cross, frame.places[i], xy, marks)
 
 
 @numba.njit(cache=True, error_model="numpy")
-def _remove_drift(weight, time, mark_time, xy, marks):  # type: ignore[no-untyped-def]
-    rate = np.zeros((2, xy.shape[2]))
-    for s in range(len(weight)):
-        if weight[s] != 0.0:
-            for axis in range(2):
-                for t in range(rate.shape[1]):
-                    rate[axis, t] += weight[s] * marks[s, axis, t]
-    for s in range(len(weight)):
-        marks[s] -= mark_time[s] * rate
+def _rectangular(by_x, by_y, shear, rate, centre, time, xy):  # type: ignore[no-untyped-def]
+    """xy (n, 2, T) in place: without drift, on rectangular axes of true scale, and reckoned from a centre."""
     for row in range(len(xy)):
-        for axis in range(2):
-            for t in range(rate.shape[1]):
-                xy[row, axis, t] -= time[row] * rate[axis, t]
-
-
-@numba.njit(cache=True, error_model="numpy")
-def _calibrate(scale_x, scale_y, shear, xy):  # type: ignore[no-untyped-def]
-    by_x, by_y = 1.0 / (1.0 + scale_x), 1.0 / (1.0 + scale_y)
-    for row in range(len(xy)):
+        at = time[row]
         for t in range(xy.shape[2]):
-            y = xy[row, 1, t] * by_y
-            xy[row, 0, t] = (xy[row, 0, t] - shear * y) * by_x
-            xy[row, 1, t] = y
+            y = (xy[row, 1, t] - at * rate[1, t]) * by_y
+            xy[row, 0, t] = ((xy[row, 0, t] - at * rate[0, t]) - shear * y) * by_x - centre[0, t]
+            xy[row, 1, t] = y - centre[1, t]
 
 
 @numba.njit(cache=True, error_model="numpy")
-def _inner(kind, fiducial, places, xy, marks):  # type: ignore[no-untyped-def]
-    """Fit the fiducials to their places (s, 2), and transform xy and marks in place."""
-    lanes = xy.shape[2]
-    centre = np.zeros((2, lanes))
-    for s in fiducial:
-        centre += marks[s]
-    centre /= len(fiducial)
-    for rows in (xy, marks):
-        for row in range(len(rows)):
-            for axis in range(2):
-                for t in range(lanes):
-                    rows[row, axis, t] = (rows[row, axis, t] - centre[axis, t]) / UNIT_MM
+def _parameters(kind, fiducial, places, marks):  # type: ignore[no-untyped-def]
+    """(8, T): those of X in [0:4], of Y in [4:8]; projective: g and h in [3] and [7]. marks (s, 2, T) in UNIT_MM."""
     if kind == HELMERT:
-        p = _helmert(fiducial, places, marks)
-    else:
-        p = _linear(3 if kind != BILINEAR else 4, fiducial, places, marks)
-    if kind == PROJECTIVE:
-        p = _projective(p, fiducial, places, marks)
-    for rows in (xy, marks):
-        for row in range(len(rows)):
-            _apply(kind, p, rows[row])
+        return _helmert(fiducial, places, marks)
+    p = _linear(4 if kind == BILINEAR else 3, fiducial, places, marks)
+    return _projective(p, fiducial, places, marks) if kind == PROJECTIVE else p
 
 
 @numba.njit(cache=True, error_model="numpy")
-def _apply(kind, p, xy):  # type: ignore[no-untyped-def]
-    """xy (2, T) by parameters p (8, T): those of X in p[0:4], of Y in p[4:8]; projective: g, h in p[3] and p[7]."""
-    for t in range(xy.shape[1]):
-        x, y = xy[0, t], xy[1, t]
-        u = p[0, t] * x + p[1, t] * y + p[2, t]
-        v = p[4, t] * x + p[5, t] * y + p[6, t]
-        if kind == BILINEAR:
-            u += p[3, t] * x * y
-            v += p[7, t] * x * y
-        elif kind == PROJECTIVE:
-            below = p[3, t] * x + p[7, t] * y + 1.0
-            u, v = u / below, v / below
-        xy[0, t], xy[1, t] = u, v
+def _apply(kind, p, xy, by_x, by_y, shear, rate, centre, time, unit):  # type: ignore[no-untyped-def]
+    """xy (n, 2, T) in place: as `_rectangular`, times unit, and transformed by p (8, T), all in one pass."""
+    for row in range(len(xy)):
+        at = time[row]
+        for t in range(xy.shape[2]):
+            y = (xy[row, 1, t] - at * rate[1, t]) * by_y
+            x = (((xy[row, 0, t] - at * rate[0, t]) - shear * y) * by_x - centre[0, t]) * unit
+            y = (y - centre[1, t]) * unit
+            u, v = p[0, t] * x + p[1, t] * y + p[2, t], p[4, t] * x + p[5, t] * y + p[6, t]
+            if kind == BILINEAR:
+                u, v = u + p[3, t] * x * y, v + p[7, t] * x * y
+            elif kind == PROJECTIVE:
+                below = 1.0 / (p[3, t] * x + p[7, t] * y + 1.0)
+                u, v = u * below, v * below
+            xy[row, 0, t], xy[row, 1, t] = u, v
 
 
 @numba.njit(cache=True, error_model="numpy")
@@ -210,13 +201,13 @@ def _reseau(degree, cross, places, xy, marks):  # type: ignore[no-untyped-def]
     row, right = np.empty((terms, lanes)), np.empty((2, lanes))
     normal, shift = np.zeros((terms, terms, lanes)), np.zeros((terms, 2, lanes))
     for s in cross:
-        _monomials(degree, marks[s], row)
+        _monomials(degree, marks, s, row)
         for t in range(lanes):
             right[0, t], right[1, t] = places[s, 0] - marks[s, 0, t], places[s, 1] - marks[s, 1, t]
         _add(row, right, normal, shift)
     solve_lanes(normal, shift)
     for at in range(len(xy)):
-        _monomials(degree, xy[at], row)
+        _monomials(degree, xy, at, row)
         for j in range(terms):
             for axis in range(2):
                 for t in range(lanes):
@@ -224,16 +215,16 @@ def _reseau(degree, cross, places, xy, marks):  # type: ignore[no-untyped-def]
 
 
 @numba.njit(cache=True, error_model="numpy")
-def _monomials(degree, xy, row):  # type: ignore[no-untyped-def]
-    """row (terms, T): 1, x, y, x^2, xy, y^2 ... of xy (2, T) in units of UNIT_MM."""
-    lanes = xy.shape[1]
+def _monomials(degree, xy, at, row):  # type: ignore[no-untyped-def]
+    """row (terms, T): 1, x, y, x^2, xy, y^2 ... of xy[at] (2, T) in units of UNIT_MM."""
+    lanes = xy.shape[2]
     row[0] = 1.0
     for d in range(1, degree + 1):
         begin, before = d * (d + 1) // 2, (d - 1) * d // 2
         for j in range(d + 1):
             axis, of = (1, before + j - 1) if j == d else (0, before + j)
             for t in range(lanes):
-                row[begin + j, t] = row[of, t] * (xy[axis, t] / UNIT_MM)
+                row[begin + j, t] = row[of, t] * (xy[at, axis, t] / UNIT_MM)
 
 
 @numba.njit(cache=True, error_model="numpy")

@@ -176,81 +176,88 @@ def measure_image(i, start, points, marks, session, drawn, pair, xy, mark_xy):  
 def _settings(begin, places, session, can_be_gross, start, c, field, turn, placed, drawn, pair, out):  # type: ignore[no-untyped-def]
     """out (n, 2, T): the rows of `places` from `begin` on, as many as out has."""
     lanes = pair.shape[1]
-    shift, u = np.empty((2, lanes)), np.empty((2, lanes))
+    shift, u, set_ = np.zeros((2, lanes)), np.zeros((2, lanes)), np.zeros((2, lanes))
+    smooth, spread = field.reshape(len(field), 2 * lanes), shift.reshape(2 * lanes)
+    deformed = session.table_ends[-1] > 0 or len(field) > 0
+    gross = can_be_gross and session.gross_share > 0
     m00, m01, m11 = session.matrix[0, 0], session.matrix[0, 1], session.matrix[1, 1]
+    p0, p1, s0, s1 = places.pointing_key[0], places.pointing_key[1], places.setting_key[0], places.setting_key[1]
+    by_setting = session.setting_sigma
     for at in range(out.shape[0]):
         row = begin + at
-        x, y = places.place[row]
-        _smooth(places.modes[row], field, shift)
-        if session.table_ends[-1] > 0 or len(places.modes[row]) > 0:
-            solve_film(x, y, places.local[row], c, session.steps, shift, u)
-        else:
-            u[:] = 0.0
-        first, second, s = places.first[row], places.second[row], places.sigma[row]
-        if s > 0.0:
-            k = places.pointing_key
-            draw_pairs(first, second, start, k[0], k[1], drawn, pair)
-            for t in range(lanes):
-                u[0, t] += s * pair[0, t]
-                u[1, t] += s * pair[1, t]
-        if can_be_gross and session.gross_share > 0:
+        x, y, by_pointing = places.place[row, 0], places.place[row, 1], places.sigma[row]
+        first, second = places.first[row], places.second[row]
+        if deformed:
+            _smooth(places.modes, row, smooth, spread)
+            solve_film(x, y, places.local, row, c, session.steps, shift, u)
+        if gross:
             _gross(first, second, start, session, drawn, pair, u)
-        dx, dy = session.drift * places.time[row]
+        if by_pointing > 0.0:
+            draw_pairs(first, second, start, p0, p1, drawn, pair)
+        if by_setting > 0.0:
+            draw_pairs(first, second, start, s0, s1, drawn, set_)
+        dx, dy = session.drift[0] * places.time[row], session.drift[1] * places.time[row]
         for t in range(lanes):
-            px, py = x + u[0, t], y + u[1, t]
+            px, py = x + (u[0, t] + by_pointing * pair[0, t]), y + (u[1, t] + by_pointing * pair[1, t])
             qx = turn[0, t] * px - turn[1, t] * py + placed[0, t]
             qy = turn[1, t] * px + turn[0, t] * py + placed[1, t]
-            out[at, 0, t] = m00 * qx + m01 * qy + dx
-            out[at, 1, t] = m11 * qy + dy
-        s = session.setting_sigma
-        if s > 0.0:
-            k = places.setting_key
-            draw_pairs(first, second, start, k[0], k[1], drawn, pair)
-            for t in range(lanes):
-                out[at, 0, t] += s * pair[0, t]
-                out[at, 1, t] += s * pair[1, t]
+            out[at, 0, t] = m00 * qx + m01 * qy + dx + by_setting * set_[0, t]
+            out[at, 1, t] = m11 * qy + dy + by_setting * set_[1, t]
+        if gross and not deformed:
+            u[:] = 0.0
 
 
 @numba.njit(cache=True, error_model="numpy", fastmath={"contract"})
-def _smooth(modes, field, shift):  # type: ignore[no-untyped-def]
-    """shift (2, T) = modes (q) field (q, 2, T)."""
-    shift[:] = 0.0
-    four = len(modes) // 4 * 4
-    for q in range(0, four, 4):
-        a, b, c, d = modes[q], modes[q + 1], modes[q + 2], modes[q + 3]
-        for axis in range(2):
-            for t in range(shift.shape[1]):
-                shift[axis, t] += (a * field[q, axis, t] + b * field[q + 1, axis, t]) + (
-                    c * field[q + 2, axis, t] + d * field[q + 3, axis, t]
-                )
-    for q in range(four, len(modes)):
-        for axis in range(2):
-            for t in range(shift.shape[1]):
-                shift[axis, t] += modes[q] * field[q, axis, t]
+def _smooth(modes, row, field, out):  # type: ignore[no-untyped-def]
+    """out (2 T) = modes[row] (q) field (q, 2 T)."""
+    for t in range(len(out)):
+        out[t] = 0.0
+    count = len(field)
+    eight = count // 8 * 8
+    for q in range(0, eight, 8):
+        a, b, c, d = modes[row, q], modes[row, q + 1], modes[row, q + 2], modes[row, q + 3]
+        e, f, g, h = modes[row, q + 4], modes[row, q + 5], modes[row, q + 6], modes[row, q + 7]
+        for t in range(len(out)):
+            out[t] += (
+                (a * field[q, t] + b * field[q + 1, t]) + (c * field[q + 2, t] + d * field[q + 3, t])
+            ) + ((e * field[q + 4, t] + f * field[q + 5, t]) + (g * field[q + 6, t] + h * field[q + 7, t]))
+    for q in range(eight, count):
+        a = modes[row, q]
+        for t in range(len(out)):
+            out[t] += a * field[q, t]
 
 
 @numba.njit(cache=True, error_model="numpy")
-def below_share(first, second, start, k0, k1, share, hit):  # type: ignore[no-untyped-def]
-    """hit (T): whether the word of each trial from `start` on lies below `share`; True if any does."""
-    found = False
-    low = np.uint64(start) >> np.uint64(2)
-    for c in range(len(hit) // 4):
+def below_share(first, second, start, k0, k1, share, word, hit):  # type: ignore[no-untyped-def]
+    """hit (T): whether the word of each trial from `start` on lies below `share`; True if any does.
+
+    word (4, T / 4) is scratch.
+    """
+    low, least = np.uint64(start) >> np.uint64(2), share
+    for c in range(word.shape[1]):
         w0, w1, w2, w3 = _philox(first, second, low + np.uint64(c), ZERO, k0, k1)
-        hit[4 * c], hit[4 * c + 1] = w0 < share, w1 < share
-        hit[4 * c + 2], hit[4 * c + 3] = w2 < share, w3 < share
-        found |= (w0 < share) or (w1 < share) or (w2 < share) or (w3 < share)
-    return found
+        word[0, c], word[1, c], word[2, c], word[3, c] = w0, w1, w2, w3
+    for j in range(4):
+        for c in range(word.shape[1]):
+            least = min(least, word[j, c])
+    if least >= share:
+        return False
+    for c in range(word.shape[1]):
+        for j in range(4):
+            hit[4 * c + j] = word[j, c] < share
+    return True
 
 
 @numba.njit(cache=True, error_model="numpy")
 def _gross(first, second, start, session, drawn, pair, u):  # type: ignore[no-untyped-def]
     """Add gross errors to u (2, T)."""
-    hit = np.empty(u.shape[1], dtype=np.bool_)
+    lanes = u.shape[1]
+    hit, word = np.empty(lanes, dtype=np.bool_), np.empty((4, lanes // 4), dtype=np.uint64)
     k = session.gross_key
-    if below_share(first, second, start, k[0], k[1], session.gross_share, hit):
+    if below_share(first, second, start, k[0], k[1], session.gross_share, word, hit):
         k = session.size_key
         draw_pairs(first, second, start, k[0], k[1], drawn, pair)
-        for t in range(u.shape[1]):
+        for t in range(lanes):
             if hit[t]:
                 u[0, t] += session.gross_size * pair[0, t]
                 u[1, t] += session.gross_size * pair[1, t]
