@@ -12,6 +12,8 @@ import numpy as np
 from simfield.compiled_draws import _box_muller, _philox
 
 COLUMNS = 9
+CORRECTIONS = 2
+"""of what is not linear: a film that moves by 0.3 mm, with a curvature of 4e-5 / mm, is solved to 1e-13 mm after two"""
 ZERO = np.uint64(0)
 
 
@@ -44,38 +46,59 @@ def film_coefficients(begin, end, column, sigma, key, owner, start, drawn, pair,
                 out[axis, c, t] += s * pair[axis, t]
 
 
-@numba.njit(cache=True, error_model="numpy")
-def solve_film(x0, y0, local, row, c, steps, shift, u):  # type: ignore[no-untyped-def]
-    """u (2, T) solves u = shift (2, T) + local(u) + film(x0 + u) in a fixed number of steps.
+@numba.njit(cache=True, error_model="numpy", fastmath={"contract"})
+def solve_film(x, y, local, row, c, shift, u):  # type: ignore[no-untyped-def]
+    """u (2, T) solves u = shift (2, T) + local(u) + film((x, y) + u).
 
-    (x0, y0): the place on the film, with the deformation that all trials share; local (k, 2, 5): that deformation
-    around the places (simfield.expansion), of which `row` is this one; c (2, COLUMNS, T).
+    (x, y): the place on the film, with the deformation that all trials share; local (k, 2, 5): that deformation around
+    the places (simfield.expansion), of which `row` is this one; c (2, COLUMNS, T). The part of the right side that is
+    linear in u goes to the left and is solved for; CORRECTIONS evaluations of the rest follow.
     """
-    lanes = u.shape[1]
-    for t in range(lanes):
-        u[0, t], u[1, t] = shift[0, t], shift[1, t]
+    xx, xy, yy = x * x, x * y, y * y
+    xxx, xxy, xyy, yyy = x * xx, x * xy, x * yy, y * yy
     a0, a1, a2, a3, a4 = local[row, 0, 0], local[row, 0, 1], local[row, 0, 2], local[row, 0, 3], local[row, 0, 4]
     b0, b1, b2, b3, b4 = local[row, 1, 0], local[row, 1, 1], local[row, 1, 2], local[row, 1, 3], local[row, 1, 4]
-    for _ in range(steps):
-        for t in range(lanes):
-            p, q = u[0, t], u[1, t]
-            x, y = x0 + p, y0 + q
-            xx, xy, yy = x * x, x * y, y * y
-            dx = x * (c[0, 0, t] + c[0, 2, t] * x + c[0, 3, t] * y + c[0, 5, t] * xx + c[0, 6, t] * xy + c[0, 7, t] * yy)
-            dx += y * (c[0, 1, t] + c[0, 4, t] * y + c[0, 8, t] * yy)
-            dy = x * (c[1, 0, t] + c[1, 2, t] * x + c[1, 3, t] * y + c[1, 5, t] * xx + c[1, 6, t] * xy + c[1, 7, t] * yy)
-            dy += y * (c[1, 1, t] + c[1, 4, t] * y + c[1, 8, t] * yy)
-            pp, pq, qq = p * p, p * q, q * q
-            u[0, t] = shift[0, t] + dx + (a0 * p + a1 * q + a2 * pp + a3 * pq + a4 * qq)
-            u[1, t] = shift[1, t] + dy + (b0 * p + b1 * q + b2 * pp + b3 * pq + b4 * qq)
+    for t in range(u.shape[1]):
+        p0, p1, p2, p3, p4 = c[0, 0, t], c[0, 1, t], c[0, 2, t], c[0, 3, t], c[0, 4, t]
+        p5, p6, p7, p8 = c[0, 5, t], c[0, 6, t], c[0, 7, t], c[0, 8, t]
+        q0, q1, q2, q3, q4 = c[1, 0, t], c[1, 1, t], c[1, 2, t], c[1, 3, t], c[1, 4, t]
+        q5, q6, q7, q8 = c[1, 5, t], c[1, 6, t], c[1, 7, t], c[1, 8, t]
+        f = shift[0, t] + p0 * x + p1 * y + p2 * xx + p3 * xy + p4 * yy + p5 * xxx + p6 * xxy + p7 * xyy + p8 * yyy
+        g = shift[1, t] + q0 * x + q1 * y + q2 * xx + q3 * xy + q4 * yy + q5 * xxx + q6 * xxy + q7 * xyy + q8 * yyy
+        # derivatives at (x, y): first, and half the second but for the mixed one
+        fx = a0 + p0 + 2.0 * p2 * x + p3 * y + 3.0 * p5 * xx + 2.0 * p6 * xy + p7 * yy
+        fy = a1 + p1 + p3 * x + 2.0 * p4 * y + p6 * xx + 2.0 * p7 * xy + 3.0 * p8 * yy
+        gx = b0 + q0 + 2.0 * q2 * x + q3 * y + 3.0 * q5 * xx + 2.0 * q6 * xy + q7 * yy
+        gy = b1 + q1 + q3 * x + 2.0 * q4 * y + q6 * xx + 2.0 * q7 * xy + 3.0 * q8 * yy
+        fxx, fxy, fyy = (
+            a2 + p2 + 3.0 * p5 * x + p6 * y,
+            a3 + p3 + 2.0 * (p6 * x + p7 * y),
+            a4 + p4 + p7 * x + 3.0 * p8 * y,
+        )
+        gxx, gxy, gyy = (
+            b2 + q2 + 3.0 * q5 * x + q6 * y,
+            b3 + q3 + 2.0 * (q6 * x + q7 * y),
+            b4 + q4 + q7 * x + 3.0 * q8 * y,
+        )
+        by_determinant = 1.0 / ((1.0 - fx) * (1.0 - gy) - fy * gx)
+        r, s = f, g
+        v, w = 0.0, 0.0
+        for correction in range(CORRECTIONS + 1):
+            v = ((1.0 - gy) * r + fy * s) * by_determinant
+            w = (gx * r + (1.0 - fx) * s) * by_determinant
+            if correction < CORRECTIONS:
+                vv, vw, ww = v * v, v * w, w * w
+                r = f + (fxx + p5 * v + p6 * w) * vv + fxy * vw + (fyy + p7 * v + p8 * w) * ww
+                s = g + (gxx + q5 * v + q6 * w) * vv + gxy * vw + (gyy + q7 * v + q8 * w) * ww
+        u[0, t], u[1, t] = v, w
 
 
 @numba.njit(cache=True, error_model="numpy")
-def add_film(lanes, start, rows, ends, place, local, table_ends, column, sigma, key, owner, steps):  # type: ignore[no-untyped-def]
+def add_film(lanes, start, rows, ends, place, local, table_ends, column, sigma, key, owner):  # type: ignore[no-untyped-def]
     """Add place (k, 2) and the film's displacement of the trials from `start` on to lanes (tiles, k, 2, 8).
 
     rows: the observations sorted by image, those of image i from ends[i] to ends[i + 1]; table_ends likewise for the
-    FilmTable (column, sigma, key, owner); local (k, 2, 5); steps as in solve_film.
+    FilmTable (column, sigma, key, owner); local (k, 2, 5).
     """
     count = 8 * lanes.shape[0]
     drawn, pair, u = np.empty((4, count // 2)), np.empty((2, count)), np.empty((2, count))
@@ -87,7 +110,7 @@ def add_film(lanes, start, rows, ends, place, local, table_ends, column, sigma, 
         for at in range(ends[i], ends[i + 1]):
             row = rows[at]
             x, y = place[row, 0], place[row, 1]
-            solve_film(x, y, local, row, c, steps, still, u)
+            solve_film(x, y, local, row, c, still, u)
             for tile in range(lanes.shape[0]):
                 for t in range(8):
                     lanes[tile, row, 0, t] += x + u[0, 8 * tile + t]

@@ -100,4 +100,6 @@ def words(key: tuple[int, int], first: Any, second: Any, trial: Any) -> Words:
     """(...) evenly distributed 32-bit words for the same counters: four neighbouring trials share one."""
     trial = np.asarray(trial, dtype=np.uint64)
     four = np.stack(philox((first, second, trial >> np.uint64(2), 0), key))
-    return np.asarray(np.take_along_axis(four, np.broadcast_to(trial & np.uint64(3), four.shape[1:])[None].astype(np.intp), 0)[0])
+    return np.asarray(
+        np.take_along_axis(four, np.broadcast_to(trial & np.uint64(3), four.shape[1:])[None].astype(np.intp), 0)[0]
+    )

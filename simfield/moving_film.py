@@ -8,27 +8,23 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from simfield.block import Floats, Indices
-from simfield.distortion import MOST_STEPS, DistortionError, FilmTable, film_monomials
+from simfield.distortion import DistortionError, FilmTable, film_monomials
 from simfield.expansion import second_order
 
-ERROR_LEFT_MM = 1e-10
+STEEPEST, LARGEST_MM = 0.1, 2.0
 LARGEST_SIGMA = 6.7
 """the farthest that numbers by counter go"""
 
 
 @dataclass(frozen=True, eq=False)
 class MovingFilm:
-    """Points place (k, 2) mm with the deformation that all trials share, local (k, 2, 5) around it; image (k).
-
-    steps: of the fixed-point iteration, as many as the largest deformation that can be drawn needs.
-    """
+    """Points place (k, 2) mm with the deformation that all trials share, local (k, 2, 5) around it; image (k)."""
 
     place: Floats
     local: Floats
     image: Indices
     table: FilmTable
     images: int
-    steps: int
 
     @classmethod
     def of(
@@ -36,7 +32,8 @@ class MovingFilm:
     ) -> MovingFilm:
         """shared: the displacement that all trials share. Raises DistortionError where the film may be too steep."""
         local = second_order(shared, place)
-        return cls(place, local, image, table, images, steps_needed(table, place, local))
+        refuse_steep(table, place, local)
+        return cls(place, local, image, table, images)
 
     def only(self, rows: Indices) -> MovingFilm:
         """Of these points alone."""
@@ -50,28 +47,23 @@ class MovingFilm:
         ends = np.searchsorted(self.image[rows], np.arange(self.images + 1))
         t = self.table
         table_ends = np.searchsorted(t.image, np.arange(self.images + 1))
-        add_film(
-            lanes, start, rows, ends, self.place, self.local, table_ends, t.column, t.sigma, t.key, t.owner, self.steps
-        )
+        add_film(lanes, start, rows, ends, self.place, self.local, table_ends, t.column, t.sigma, t.key, t.owner)
 
 
-def steps_needed(table: FilmTable, place: Floats, local: Floats) -> int:
-    """Steps after which the largest film of the table over places (k, 2) has settled to ERROR_LEFT_MM.
-
-    Raises DistortionError where it may not settle.
-    """
-    if not len(place):
-        return 1
+def refuse_steep(table: FilmTable, place: Floats, local: Floats) -> None:
+    """Raises DistortionError where the largest film of the table over places (k, 2) is no small deformation."""
+    if not len(place) or not len(table.image):
+        return
     far = np.abs(place).max(axis=0)
-    sizes = np.zeros((int(table.image.max(initial=0)) + 1, 2, 9))
+    sizes = np.zeros((int(table.image.max()) + 1, 2, 9))
     np.add.at(sizes, (table.image, slice(None), table.column), LARGEST_SIGMA * table.sigma)
-    largest = sizes.max(axis=0)
-    amount = float((largest @ film_monomials(far[None])[0]).max())
-    h = 1e-3
-    steeper = film_monomials(far + np.array([[h, 0.0], [0.0, h]])) - film_monomials(far[None])
-    slope = float((largest @ (steeper.T / h)).sum(axis=1).max()) + float(np.abs(local[:, :, :2]).sum(axis=2).max())
-    if slope >= 0.85:
-        raise DistortionError(f"film that may be as steep as {slope:.2g} cannot be solved for")
-    if amount == 0.0 or slope == 0.0:
-        return 2
-    return min(2 + int(np.ceil(np.log(ERROR_LEFT_MM / amount) / np.log(slope))), MOST_STEPS)
+    largest, h = sizes.max(axis=0), 1e-3
+    at, in_x, in_y = film_monomials(far + np.array([[0.0, 0.0], [h, 0.0], [0.0, h]]))
+    slope = float((largest @ np.column_stack([in_x - at, in_y - at]) / h).sum(axis=1).max())
+    slope += float(np.abs(local[:, :, :2]).sum(axis=2).max())
+    amount = float((largest @ at).max())
+    if slope > STEEPEST or amount > LARGEST_MM:
+        raise DistortionError(
+            f"film that may move by {amount:.2g} mm and be as steep as {slope:.2g} is too much for many trials at once, "
+            f"which take up to {LARGEST_MM:g} mm and {STEEPEST:g}"
+        )

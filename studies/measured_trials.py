@@ -176,7 +176,9 @@ class MeasuredTrials:
         key = np.array(counter_key(world.seed, "confused"), dtype=np.uint64)
         if not share:
             none = np.zeros(0, dtype=np.intp)
-            return Confusion(np.zeros(len(world.plan) + 1, dtype=np.intp), none, none, none.astype(np.uint64), key, share)
+            return Confusion(
+                np.zeros(len(world.plan) + 1, dtype=np.intp), none, none, none.astype(np.uint64), key, share
+            )
         at = np.argsort(places)
         image = world.image[p.first_of_pairs]
         ends = np.searchsorted(image, np.arange(len(world.plan) + 1))

@@ -18,7 +18,7 @@ from simfield.compiled_draws import _philox
 from simfield.compiled_film import COLUMNS, draw_pairs, film_coefficients, solve_film
 from simfield.distortion import FilmTable, measured_from_ideal
 from simfield.expansion import second_order
-from simfield.moving_film import steps_needed
+from simfield.moving_film import refuse_steep
 from simfield.streams import counter_key
 
 ZERO = np.uint64(0)
@@ -52,7 +52,6 @@ class Session(NamedTuple):
     table_sigma: Floats
     table_key: Any
     table_owner: Any
-    steps: int
     field_key: Any
     field_owner: Any
     image_word: Any
@@ -102,6 +101,7 @@ def _session(prepared: Prepared, on_film: Floats, local: Floats) -> Session:
         prepared.field,
         chain.errors,
     )
+    refuse_steep(table, on_film, local)
     owner = np.zeros(m, dtype=np.uint64)
     if field is not None:
         owner[prepared.image] = field.owner
@@ -111,7 +111,6 @@ def _session(prepared: Prepared, on_film: Floats, local: Floats) -> Session:
         table.sigma,
         table.key,
         table.owner,
-        steps_needed(table, on_film, local),
         _words((0, 0) if field is None else field.key),
         owner,
         prepared.image_words,
@@ -189,7 +188,7 @@ def _settings(begin, places, session, can_be_gross, start, c, field, turn, place
         first, second = places.first[row], places.second[row]
         if deformed:
             _smooth(places.modes, row, smooth, spread)
-            solve_film(x, y, places.local, row, c, session.steps, shift, u)
+            solve_film(x, y, places.local, row, c, shift, u)
         if gross:
             _gross(first, second, start, session, drawn, pair, u)
         if by_pointing > 0.0:
@@ -218,9 +217,9 @@ def _smooth(modes, row, field, out):  # type: ignore[no-untyped-def]
         a, b, c, d = modes[row, q], modes[row, q + 1], modes[row, q + 2], modes[row, q + 3]
         e, f, g, h = modes[row, q + 4], modes[row, q + 5], modes[row, q + 6], modes[row, q + 7]
         for t in range(len(out)):
-            out[t] += (
-                (a * field[q, t] + b * field[q + 1, t]) + (c * field[q + 2, t] + d * field[q + 3, t])
-            ) + ((e * field[q + 4, t] + f * field[q + 5, t]) + (g * field[q + 6, t] + h * field[q + 7, t]))
+            out[t] += ((a * field[q, t] + b * field[q + 1, t]) + (c * field[q + 2, t] + d * field[q + 3, t])) + (
+                (e * field[q + 4, t] + f * field[q + 5, t]) + (g * field[q + 6, t] + h * field[q + 7, t])
+            )
     for q in range(eight, count):
         a = modes[row, q]
         for t in range(len(out)):

@@ -131,7 +131,11 @@ class Prepared:
     def _gross(self, trial: int) -> Floats:
         """(k, 2) mm: gross errors of the points."""
         errors, k = self.chain.errors, self.count
-        key, place, image = counter_key(self.world.seed, "gross"), self.place_words[:k], self.image_words[self.image[:k]]
+        key, place, image = (
+            counter_key(self.world.seed, "gross"),
+            self.place_words[:k],
+            self.image_words[self.image[:k]],
+        )
         hit = words(key, place, image, trial) < share_of_words(errors.gross_rate)
         size = normal_pairs(counter_key(self.world.seed, "gross size"), place, image, trial)
         return np.asarray(np.where(hit[:, None], errors.gross_um / 1000.0 * size, 0.0))
