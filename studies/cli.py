@@ -19,6 +19,7 @@ from studies import cli_chain, cli_studies, installation
 
 if TYPE_CHECKING:
     from adjust import Adjustment, ApModel
+    from adjust.ap_sets import ApBy
 
 DEFAULT_TRIALS = 200
 DEFAULT_SEED = 1980
@@ -134,8 +135,21 @@ def reproduce(what: str, out: Path | None, trials: int, jobs: int | None, seed: 
     show_default=True,
     help="What ties the block to its frame: its control, seven coordinates, or inner constraints (a free network).",
 )
+@click.option(
+    "--ap-by",
+    type=click.Choice(["camera", "flight", "strip", "image"]),
+    default="camera",
+    show_default=True,
+    help="Whose sets of additional parameters; a finer choice is tested against one set a camera.",
+)
 def adjust(
-    folder: Path, model_id: str, settings: tuple[str, ...], json_path: str | None, out: Path | None, datum: str
+    folder: Path,
+    model_id: str,
+    settings: tuple[str, ...],
+    json_path: str | None,
+    out: Path | None,
+    datum: str,
+    ap_by: ApBy,
 ) -> None:
     """Adjust a block folder by bundles with self-calibration."""
     from adjust import adjust_block
@@ -149,7 +163,10 @@ def adjust(
     except BlockFolderError as error:
         raise Failure(str(error)) from error
     tied = {"control": ByControl, "minimum": MinimumControl, "inner": InnerConstraints}[datum]()
-    a = adjust_block(block, model, datum=tied)
+    try:
+        a = adjust_block(block, model, datum=tied, ap_by=ap_by)
+    except ValueError as error:
+        raise Failure(str(error)) from error
     if json_path is not None:
         _write_json(adjustment_page.record(a), json_path)
     _refuse_failed(a)
@@ -157,6 +174,9 @@ def adjust(
         _write_protocol(a, out, quiet=json_path == "-")
     elif json_path is None:
         click.echo(adjustment_page.page(a))
+    if ap_by != "camera":
+        coarse = adjust_block(block, model, datum=tied)
+        click.echo(adjustment_page.sets_line(coarse, a, ap_by), err=json_path == "-")
 
 
 @main.command()
