@@ -19,7 +19,10 @@ READABLE = re.compile(r"(?P<strip>(?P<flight>.+)-h[0-9.]+(-s[0-9]+)?)-[0-9]+")
 
 
 def ap_sets(block: Block, by: ApBy) -> Mapping[str, str]:
-    """The AP set of every image id. Raises ValueError for an unknown choice and for ids that name no flight or strip."""
+    """The AP set of every image id.
+
+    Raises ValueError for an unknown choice and for ids that name no flight or strip.
+    """
     if by not in CHOICES:
         raise ValueError(f"no AP sets by {by!r}, allowed are {', '.join(CHOICES)}")
     ids = block.images.ids

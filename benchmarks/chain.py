@@ -1,4 +1,4 @@
-"""What the measurement chain costs beside the adjustment it feeds: trials a second with all stages and with plain noise.
+"""What the measurement chain costs beside the adjustment it feeds: trials a second with all stages, and plain noise.
 
     python -m benchmarks.chain [--rounds N] [--trials N]
 
@@ -95,9 +95,8 @@ def main() -> None:
     of_plain = shares(found)
     for name, own in found.items():
         drawn, adjusted = own["drawn"]["median_ms"], own["adjusted"]["median_ms"]
-        print(
-            f"{name:26} drawn {1000 * drawn:6.0f} us   adjusted {1000 * adjusted:6.0f} us   {of_plain[name]:.2f} of plain"
-        )
+        of = f"{of_plain[name]:.2f} of plain"
+        print(f"{name:26} drawn {1000 * drawn:6.0f} us   adjusted {1000 * adjusted:6.0f} us   {of}")
     record = {
         "what": "processor time a trial, one core",
         "rounds": arguments.rounds,

@@ -100,37 +100,41 @@ class FilmTable:
     @classmethod
     def of(cls, film: Sequence[FilmVariation], plan: FlightPlan, seed: int) -> FilmTable:
         """The table of a flight plan."""
-        rows: list[tuple[int, int, float, float, int, int, int]] = []
+        parts: list[tuple[int, int, float, float, tuple[int, int], int]] = []
         for variation in film:
             columns = TERMS[variation.terms]
             sigma = variation.um_at_100mm / 1000.0 / REFERENCE_MM ** DEGREES[columns[0]]
+            in_x = 0.0 if variation.terms == "affinity" else sigma
             key = counter_key(seed, "film", variation.terms, variation.per)
             for image, owner in enumerate(_owners(variation, plan)):
                 if plan.camera_ids[image] == variation.camera:
-                    in_x = 0.0 if variation.terms == "affinity" else sigma
                     word = zlib.crc32(owner.encode())
-                    rows += [(image, column, in_x, sigma, *key, word) for column in columns]
-        rows.sort(key=lambda row: row[0])
-        image, column, in_x, in_y, k0, k1, owner = zip(*rows, strict=True) if rows else ((),) * 7
+                    parts += [(image, column, in_x, sigma, key, word) for column in columns]
+        parts.sort(key=lambda part: part[0])
         return cls(
-            np.array(image, dtype=np.intp),
-            np.array(column, dtype=np.intp),
-            np.column_stack([in_x, in_y]).astype(float),
-            np.column_stack([k0, k1]).astype(np.uint64),
-            np.array(owner, dtype=np.uint64),
+            np.array([part[0] for part in parts], dtype=np.intp),
+            np.array([part[1] for part in parts], dtype=np.intp),
+            np.array([part[2:4] for part in parts], dtype=float).reshape(-1, 2),
+            np.array([part[4] for part in parts], dtype=np.uint64).reshape(-1, 2),
+            np.array([part[5] for part in parts], dtype=np.uint64),
         )
+
+    def coefficients(self, values: Floats, images: int) -> Floats:
+        """(m, 2, 9): values (e, 2) added up in the images and monomials where they belong."""
+        total = np.zeros((images, len(DEGREES), 2))
+        np.add.at(total, (self.image, self.column), values)
+        return total.transpose(0, 2, 1)
 
 
 def draw_film(film: Sequence[FilmVariation], plan: FlightPlan, seed: int, trial: int) -> DrawnFilm:
     """The film of every image in one trial."""
     table = FilmTable.of(film, plan, seed)
-    coefficients = np.zeros((len(plan), 2, len(DEGREES)))
+    drawn = np.zeros_like(table.sigma)
     for key in np.unique(table.key, axis=0):
         own = (table.key == key).all(axis=1)
         k0, k1 = key.tolist()
-        pairs = normal_pairs((k0, k1), table.column[own].astype(np.uint64), table.owner[own], trial)
-        np.add.at(coefficients, (table.image[own], slice(None), table.column[own]), table.sigma[own] * pairs)
-    return DrawnFilm(coefficients)
+        drawn[own] = normal_pairs((k0, k1), table.column[own].astype(np.uint64), table.owner[own], trial)
+    return DrawnFilm(table.coefficients(table.sigma * drawn, len(plan)))
 
 
 def _owners(variation: FilmVariation, plan: FlightPlan) -> tuple[str, ...]:

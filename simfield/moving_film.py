@@ -55,15 +55,14 @@ def refuse_steep(table: FilmTable, place: Floats, local: Floats) -> None:
     if not len(place) or not len(table.image):
         return
     far = np.abs(place).max(axis=0)
-    sizes = np.zeros((int(table.image.max()) + 1, 2, 9))
-    np.add.at(sizes, (table.image, slice(None), table.column), LARGEST_SIGMA * table.sigma)
-    largest, h = sizes.max(axis=0), 1e-3
+    largest = table.coefficients(LARGEST_SIGMA * table.sigma, int(table.image.max()) + 1).max(axis=0)
+    h = 1e-3
     at, in_x, in_y = film_monomials(far + np.array([[0.0, 0.0], [h, 0.0], [0.0, h]]))
     slope = float((largest @ np.column_stack([in_x - at, in_y - at]) / h).sum(axis=1).max())
     slope += float(np.abs(local[:, :, :2]).sum(axis=2).max())
     amount = float((largest @ at).max())
     if slope > STEEPEST or amount > LARGEST_MM:
         raise DistortionError(
-            f"film that may move by {amount:.2g} mm and be as steep as {slope:.2g} is too much for many trials at once, "
-            f"which take up to {LARGEST_MM:g} mm and {STEEPEST:g}"
+            f"film that may move by {amount:.2g} mm and be as steep as {slope:.2g} is too much for many trials at "
+            f"once, which take up to {LARGEST_MM:g} mm and {STEEPEST:g}"
         )

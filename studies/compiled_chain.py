@@ -28,7 +28,7 @@ class Tail(NamedTuple):
 
 
 class Confusion(NamedTuple):
-    """Pairs of points that may be taken for each other, by image: rows first (p) and second (p), a counter word each."""
+    """Pairs of points that may be taken for each other, by image: rows first (p), second (p), a counter word each."""
 
     ends: Indices
     first: Indices

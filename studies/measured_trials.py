@@ -85,7 +85,7 @@ class MeasuredTrials:
         parts, kept, places = self._tables
         wide = lanes if kept is None else np.empty((len(lanes), self.prepared.count, 2, WIDTH))
         far = np.zeros((len(places), WIDTH * len(lanes)), dtype=np.bool_)
-        if measure_and_reduce(wide, far, number, *parts, places):
+        if measure_and_reduce(wide, far, number, *parts, places):  # type: ignore[call-arg]
             self._far(wide, far, places)
         if kept is not None:
             lanes[:] = wide[:, kept]
@@ -142,10 +142,12 @@ class MeasuredTrials:
             raise ValueError(f"for many trials the degree of the reseau correction is at most {compiled.MOST_DEGREE}")
         kinds = np.array(raw.mark_kinds)[raw.mark[:settings]]
         weights = compiled.drift_weights(raw.mark_image, raw.mark, raw.mark_time, images)
-        machine = [1e-6 * v if plan.comparator else 0.0 for v in raw.machine]
+        scale_x, scale_y, shear = (1e-6 * v if plan.comparator else 0.0 for v in raw.machine)
         return compiled.Frame(
             weights if plan.drift else np.zeros_like(weights),
-            *machine,
+            scale_x,
+            scale_y,
+            shear,
             compiled.frame_kind(plan.inner),
             np.flatnonzero(kinds == "fiducial"),
             marks_of(raw).reshape(images, settings, 2),

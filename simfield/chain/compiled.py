@@ -80,15 +80,12 @@ def tables(prepared: Prepared, rows: Indices) -> tuple[Places, Places, Session]:
     kinds = []
     for kind, of, key in zip(KINDS, (rows, np.arange(k, len(on_film))), pointing, strict=True):
         image = prepared.image[of]
+        place, around, smooth, time, own_sigma = (
+            np.ascontiguousarray(a[of]) for a in (on_film, local, modes, prepared.time, sigma)
+        )
+        ends, setting_key = np.searchsorted(image, np.arange(m + 1)), _words(counter_key(world.seed, "setting", kind))
         kinds.append(
-            Places(
-                np.searchsorted(image, np.arange(m + 1)),
-                *(np.ascontiguousarray(a[of]) for a in (on_film, local, modes, prepared.time, sigma)),
-                places[of],
-                words[image],
-                _words(key),
-                _words(counter_key(world.seed, "setting", kind)),
-            )
+            Places(ends, place, around, smooth, time, own_sigma, places[of], words[image], _words(key), setting_key)
         )
     return kinds[0], kinds[1], _session(prepared, on_film, local)
 
