@@ -10,6 +10,7 @@ from adjust import initial
 from adjust.adjustment import Adjustment
 from adjust.ap_models.mauelshagen import NoModel
 from adjust.ap_models.model import ApModel
+from adjust.ap_sets import ApBy, ap_sets
 from adjust.compiled_normals import Compiled
 from adjust.datum import ByControl, Datum
 from adjust.determinability import judged
@@ -30,7 +31,7 @@ def adjust_block(
     *,
     datum: Datum | None = None,
     observations: Sequence[Group] = (),
-    ap_by: Mapping[str, str] | None = None,
+    ap_by: ApBy | Mapping[str, str] = "camera",
     compiled: bool = True,
 ) -> Adjustment:
     """Adjust a block by bundles, with one set of additional parameters a camera, or as ap_by says.
@@ -40,8 +41,9 @@ def adjust_block(
     KeyError for a mapping without one of the cameras. datum says what ties the block to its frame (adjust.datum), the
     control of the block by default. The further observations of the block are used; observations are other groups
     (adjust.stations, adjust.ap_priors); ValueError or KeyError for those that do not fit the block or the model. ap_by
-    maps image ids to the ids of AP sets, so that every flight, strip or image can have its own; ValueError if images of
-    two cameras share one, KeyError for an image that it lacks.
+    says whose AP sets there are (adjust.ap_sets): those of cameras, flights, strips or images, or a mapping from image
+    ids to set ids; ValueError if images of two cameras share one or ids name no flight or strip, KeyError for an image
+    that a mapping lacks.
     compiled=False takes the readable arithmetic in plain numpy, with the same result.
 
     Least squares of measured + v = projected + d(measured) with weights 1/sigma^2, by Gauss-Newton with the points
@@ -60,8 +62,9 @@ def adjust_block(
         block = datum.prepared(block)
     except (initial.NoStartError, ValueError) as error:
         return _without_datum(block, model, str(error))
+    sets = ap_sets(block, ap_by) if isinstance(ap_by, str) else ap_by
     tied = [point for group in observations for point in group.coupled]
-    unknowns = Unknowns.of(block, model, ap_by, names, tied)
+    unknowns = Unknowns.of(block, model, None if ap_by == "camera" else sets, names, tied)
     # what is not finite ends with a status, not with a warning
     with np.errstate(all="ignore"), one_thread():
         groups = Observations.of(block, unknowns, observations)

@@ -155,3 +155,19 @@ def _strongest(a: Adjustment, q: Floats, j: int) -> tuple[str, str, float]:
         if s.columns.start <= i < s.columns.stop:
             return s.id, s.model.parameters[i - s.columns.start], float(r[i])
     return "", a.layout.name(i), float(r[i])
+
+
+def finer_sets(coarse: Adjustment, fine: Adjustment) -> FTest:
+    """Are more sets of additional parameters (`ap_by`) worth it? F of vPv of the coarser and the finer adjustment.
+
+    F = ((vPv_c - vPv_f) / k) / (vPv_f / f) with k more parameters and redundancy f of the finer one is Fisher's if the
+    coarser choice is true (Koch 1999, Parameter estimation, section 4.2). Raises ValueError if the finer one does not
+    have more unknowns, or if one of the two has failed.
+    """
+    more = fine.unknowns - coarse.unknowns
+    if not (coarse.status.ok and fine.status.ok):
+        raise ValueError("a test of two adjustments needs two that have succeeded")
+    if more <= 0 or fine.redundancy <= 0:
+        raise ValueError(f"the finer adjustment has {more} more unknowns and redundancy {fine.redundancy}: no test")
+    statistic = float((coarse.vpv - fine.vpv) / more / (fine.vpv / fine.redundancy))
+    return FTest(statistic, more, fine.redundancy, float(scipy.special.fdtrc(more, fine.redundancy, statistic)))

@@ -94,3 +94,12 @@ def normal_pairs(key: tuple[int, int], first: Any, second: Any, trial: Any) -> F
     w0, w1, w2, w3 = philox((first, second, low, 0), key)
     later = (trial & np.uint64(8)) > 0
     return _box_muller(np.where(later, w2, w0), np.where(later, w3, w1))
+
+
+def words(key: tuple[int, int], first: Any, second: Any, trial: Any) -> Words:
+    """(...) evenly distributed 32-bit words for the same counters: four neighbouring trials share one."""
+    trial = np.asarray(trial, dtype=np.uint64)
+    four = np.stack(philox((first, second, trial >> np.uint64(2), 0), key))
+    return np.asarray(
+        np.take_along_axis(four, np.broadcast_to(trial & np.uint64(3), four.shape[1:])[None].astype(np.intp), 0)[0]
+    )

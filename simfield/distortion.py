@@ -4,6 +4,7 @@ d(measured).
 
 from __future__ import annotations
 
+import zlib
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Literal
@@ -11,9 +12,10 @@ from typing import Literal
 import numpy as np
 
 from simfield.block import Floats, Indices
+from simfield.counter_normals import Words, normal_pairs
 from simfield.effects import EffectOn, FilmAffine, FilmPolynomial
 from simfield.flights import FlightPlan
-from simfield.streams import stream
+from simfield.streams import counter_key
 
 SETTLED = 4.0 * float(np.finfo(np.float64).eps)
 """A step of so small a share of the largest coordinate is rounding, not distortion: 1e-13 mm on a 23 cm film."""
@@ -81,23 +83,58 @@ class DrawnFilm:
         return tuple(found)
 
 
+@dataclass(frozen=True, eq=False)
+class FilmTable:
+    """What is drawn for the film of a trial: e products of a standard deviation and a pair of normal numbers.
+
+    image (e), column (e) of the monomials, sigma (e, 2) of the coefficients in dx and dy; a pair hangs on key (e, 2),
+    the column, owner (e) and the number of the trial (simfield.counter_normals). Sorted by image.
+    """
+
+    image: Indices
+    column: Indices
+    sigma: Floats
+    key: Words
+    owner: Words
+
+    @classmethod
+    def of(cls, film: Sequence[FilmVariation], plan: FlightPlan, seed: int) -> FilmTable:
+        """The table of a flight plan."""
+        parts: list[tuple[int, int, float, float, tuple[int, int], int]] = []
+        for variation in film:
+            columns = TERMS[variation.terms]
+            sigma = variation.um_at_100mm / 1000.0 / REFERENCE_MM ** DEGREES[columns[0]]
+            in_x = 0.0 if variation.terms == "affinity" else sigma
+            key = counter_key(seed, "film", variation.terms, variation.per)
+            for image, owner in enumerate(_owners(variation, plan)):
+                if plan.camera_ids[image] == variation.camera:
+                    word = zlib.crc32(owner.encode())
+                    parts += [(image, column, in_x, sigma, key, word) for column in columns]
+        parts.sort(key=lambda part: part[0])
+        return cls(
+            np.array([part[0] for part in parts], dtype=np.intp),
+            np.array([part[1] for part in parts], dtype=np.intp),
+            np.array([part[2:4] for part in parts], dtype=float).reshape(-1, 2),
+            np.array([part[4] for part in parts], dtype=np.uint64).reshape(-1, 2),
+            np.array([part[5] for part in parts], dtype=np.uint64),
+        )
+
+    def coefficients(self, values: Floats, images: int) -> Floats:
+        """(m, 2, 9): values (e, 2) added up in the images and monomials where they belong."""
+        total = np.zeros((images, len(DEGREES), 2))
+        np.add.at(total, (self.image, self.column), values)
+        return total.transpose(0, 2, 1)
+
+
 def draw_film(film: Sequence[FilmVariation], plan: FlightPlan, seed: int, trial: int) -> DrawnFilm:
     """The film of every image in one trial."""
-    coefficients = np.zeros((len(plan), 2, len(DEGREES)))
-    for variation in film:
-        columns = list(TERMS[variation.terms])
-        sigma = variation.um_at_100mm / 1000.0 / REFERENCE_MM ** DEGREES[columns[0]]
-        rows_of: dict[str, list[int]] = {}
-        for row, owner in enumerate(_owners(variation, plan)):
-            if plan.camera_ids[row] == variation.camera:
-                rows_of.setdefault(owner, []).append(row)
-        key = () if variation.per == "image" else (variation.per,)
-        for owner, rows in rows_of.items():
-            drawn = sigma * stream(seed, "film", trial, variation.terms, *key, owner).standard_normal((2, len(columns)))
-            if variation.terms == "affinity":
-                drawn[0] = 0.0
-            coefficients[np.ix_(rows, (0, 1), columns)] += drawn
-    return DrawnFilm(coefficients)
+    table = FilmTable.of(film, plan, seed)
+    drawn = np.zeros_like(table.sigma)
+    for key in np.unique(table.key, axis=0):
+        own = (table.key == key).all(axis=1)
+        k0, k1 = key.tolist()
+        drawn[own] = normal_pairs((k0, k1), table.column[own].astype(np.uint64), table.owner[own], trial)
+    return DrawnFilm(table.coefficients(table.sigma * drawn, len(plan)))
 
 
 def _owners(variation: FilmVariation, plan: FlightPlan) -> tuple[str, ...]:

@@ -1,18 +1,19 @@
 """Image coordinates of many trials, drawn when they are asked for.
 
-The numbers are those of `World.image_points`, trial by trial and bit by bit: they hang on key and counter alone
-(simfield.counter_normals), so neither the order of drawing nor the size of a slice matters.
+The numbers are those of `World.image_points`, trial by trial and bit by bit (film that changes from trial to trial:
+to 1e-11 mm): they hang on key and counter alone (simfield.counter_normals), so neither the order of drawing nor the
+size of a slice matters.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
 from simfield.block import Floats, Indices
 from simfield.counter_normals import Words, normal_pairs
+from simfield.moving_film import MovingFilm
 
 WIDTH = 8
 """trials a tile of numbers drawn together"""
@@ -40,21 +41,21 @@ class ImageNoise:
 class ImagePointDraws:
     """The trials start .. stop - 1, to be sliced like an array (t, k, 2) of image coordinates in mm.
 
-    base (k, 2): coordinates without noise; moving gives those of a trial, where they differ from trial to trial.
+    base (k, 2): coordinates without noise; moving has those of a trial, where they differ from trial to trial.
     """
 
     base: Floats
     noise: ImageNoise
     start: int
     stop: int
-    moving: Callable[[int], Floats] | None = None
+    moving: MovingFilm | None = None
 
     def __len__(self) -> int:
         return self.stop - self.start
 
     def only(self, rows: Indices) -> ImagePointDraws:
         """The same trials of these observations alone, as in a sub-block."""
-        moving = None if self.moving is None else _Rows(self.moving, rows)
+        moving = None if self.moving is None else self.moving.only(rows)
         return ImagePointDraws(self.base[rows], self.noise.only(rows), self.start, self.stop, moving)
 
     def __getitem__(self, trials: slice) -> Floats:
@@ -80,20 +81,8 @@ class ImagePointDraws:
         early, tiles = number % PERIOD, len(lanes)
         whole = lanes if not early and not tiles % 2 else np.empty((tiles + 2 + tiles % 2, *lanes.shape[1:]))
         fill(whole, base, sigma, n.place, n.image, number - early, *(np.uint64(k) for k in n.key))
+        if self.moving is not None:
+            self.moving.add_to(whole, number - early)
         if whole is not lanes:
             in_a_row = whole.transpose(0, 3, 1, 2).reshape(-1, *base.shape)[early : early + WIDTH * tiles]
             lanes[:] = in_a_row.reshape(tiles, WIDTH, *base.shape).transpose(0, 2, 3, 1)
-        if self.moving is not None:
-            for t in range(trials.stop - trials.start):
-                lanes[t // WIDTH, :, :, t % WIDTH] += self.moving(number + t)
-
-
-@dataclass(frozen=True, eq=False)
-class _Rows:
-    """Some rows of what a function of the trial returns; a class, so that it can travel to another process."""
-
-    function: Callable[[int], Floats]
-    rows: Indices
-
-    def __call__(self, trial: int) -> Floats:
-        return self.function(trial)[self.rows]

@@ -14,12 +14,13 @@ import numpy as np
 import numpy.typing as npt
 
 from simfield.block import Block, Floats, ImageObservations, Images, Indices, Points
-from simfield.distortion import DrawnFilm, draw_film, measured_from_ideal, systematic
+from simfield.distortion import DrawnFilm, FilmTable, draw_film, measured_from_ideal, systematic
 from simfield.draws import ImageNoise, ImagePointDraws
 from simfield.fields import FieldPoints
 from simfield.flights import FlightPlan, deviation, fly, plan_flights
 from simfield.imaging import ideal_image, inside_format
 from simfield.measurement import CountError, Rays, measured_rays
+from simfield.moving_film import MovingFilm
 from simfield.noise import geodetic_noise, image_noise
 from simfield.scenario import Scenario
 from simfield.streams import stream
@@ -77,8 +78,16 @@ class World:
 
     def draws(self, start: int, stop: int) -> ImagePointDraws:
         """The image coordinates of the trials start .. stop - 1, drawn when they are asked for."""
-        moving = self.undisturbed_image_points if self.scenario.film else None
-        return ImagePointDraws(self.distorted, self.image_noise, start, stop, moving)
+        return ImagePointDraws(self.distorted, self.image_noise, start, stop, self.moving_film)
+
+    @cached_property
+    def moving_film(self) -> MovingFilm | None:
+        """The image points on film that changes from trial to trial; None where it does not."""
+        if not self.scenario.film:
+            return None
+        shared = systematic(self.scenario.effects, self.plan, self.image)
+        table = FilmTable.of(self.scenario.film, self.plan, self.seed)
+        return MovingFilm.of(self.distorted, shared, self.image, table, len(self.plan))
 
     @cached_property
     def image_noise(self) -> ImageNoise:

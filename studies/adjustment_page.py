@@ -10,6 +10,7 @@ import numpy as np
 
 from adjust import Adjustment
 from adjust.adjustment import correlations
+from adjust.significance import finer_sets
 from adjust.unknowns import EXTERIOR_NAMES, POINT_NAMES
 from simfield.block import COORDINATES, EXTERIOR, Floats
 from studies.measures import geodetic_deviations
@@ -18,6 +19,9 @@ STRONG = 0.95
 """correlations above this, in absolute value, are listed"""
 PAIRS_MOST = 1000
 """of more pairs the strongest are listed, and the number of the others is said"""
+
+FINER_LEVEL = 0.05
+"""probability below which more sets of additional parameters are called significant"""
 
 DEGREES = np.array([1.0, 1.0, 1.0, *([180.0 / np.pi] * 3)])
 """the units of an exterior orientation in a page: metres and degrees"""
@@ -155,3 +159,16 @@ def _estimate(a: Adjustment, value: float) -> float | None:
 
 def _number(value: float) -> float | None:
     return value if math.isfinite(value) else None
+
+
+def sets_line(coarse: Adjustment, fine: Adjustment, by: str) -> str:
+    """One sentence on whether sets of additional parameters by flight, strip or image are worth it."""
+    try:
+        test = finer_sets(coarse, fine)
+    except ValueError as error:
+        return f"one AP set a {by} against one a camera: {error}"
+    verdict = "significant" if test.p < FINER_LEVEL else "not significant"
+    return (
+        f"one AP set a {by} against one a camera: F = {test.statistic:.2f} with {test.k} and {test.f} degrees of "
+        f"freedom, p = {test.p:.3g}: {verdict} at {100 * FINER_LEVEL:.0f} %"
+    )

@@ -19,6 +19,7 @@ from studies import cli_chain, cli_quality, cli_report, cli_studies, cli_teach, 
 
 if TYPE_CHECKING:
     from adjust import Adjustment, ApModel
+    from adjust.ap_sets import ApBy
 
 DEFAULT_TRIALS = 200
 DEFAULT_SEED = 1980
@@ -143,6 +144,13 @@ def reproduce(what: str, out: Path | None, trials: int, jobs: int | None, seed: 
     multiple=True,
     help="Further observations of the folder that are not used; may be given more than once.",
 )
+@click.option(
+    "--ap-by",
+    type=click.Choice(["camera", "flight", "strip", "image"]),
+    default="camera",
+    show_default=True,
+    help="Whose sets of additional parameters; a finer choice is tested against one set a camera.",
+)
 def adjust(
     folder: Path,
     model_id: str,
@@ -151,6 +159,7 @@ def adjust(
     out: Path | None,
     datum: str,
     leave_out: tuple[str, ...],
+    ap_by: ApBy,
 ) -> None:
     """Adjust a block folder by bundles with self-calibration, with all further observations that are in it."""
     from adjust import adjust_block
@@ -165,7 +174,8 @@ def adjust(
         raise Failure(str(error)) from error
     tied = {"control": ByControl, "minimum": MinimumControl, "inner": InnerConstraints}[datum]()
     try:
-        a = adjust_block(block.without(*leave_out) if leave_out else block, model, datum=tied)
+        block = block.without(*leave_out) if leave_out else block
+        a = adjust_block(block, model, datum=tied, ap_by=ap_by)
     except ValueError as error:  # what the folder states does not fit the model
         raise Failure(str(error)) from error
     if json_path is not None:
@@ -175,6 +185,9 @@ def adjust(
         _write_protocol(a, out, quiet=json_path == "-")
     elif json_path is None:
         click.echo(adjustment_page.page(a))
+    if ap_by != "camera":
+        coarse = adjust_block(block, model, datum=tied)
+        click.echo(adjustment_page.sets_line(coarse, a, ap_by), err=json_path == "-")
 
 
 @main.command()

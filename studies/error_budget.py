@@ -19,9 +19,12 @@ from simfield.noise import Noise
 from simfield.scenario import Scenario
 from simfield.simulate import World, build_world
 from studies import performance
+from studies.measured_trials import MeasuredTrials
 from studies.reduction import Plan, reduce
 
 EVERYTHING = "all together"
+TOGETHER = 64
+"""trials whose coordinates are in memory at once"""
 UNDISTURBED_UM = 1e-6
 """noise of a world without noise: the block's weights need some"""
 
@@ -106,25 +109,19 @@ def _fitting(plan: Plan, chain: Chain) -> Plan:
 
 def _measured(prepared: Prepared, plan: Plan, model: ApModel, trials: int) -> dict[str, float]:
     world = prepared.world
-    ideal = world.ideal
-    points = np.empty((trials, *ideal.shape))
-    put_in, left = np.empty(trials), np.empty(trials)
+    machine = MeasuredTrials(prepared, None, 0, trials)
+    reduced = MeasuredTrials(prepared, plan, 0, trials)
     given = np.stack([world.given_coordinates(trial) for trial in range(trials)])
-    block = None
-    for trial in range(trials):
-        raw = prepared.measure(trial)
-        put_in[trial] = _rigid_rms(raw.settings.mean(axis=1), ideal, world)
-        reduced = reduce(raw, plan)
-        points[trial] = reduced.block.observations.xy
-        left[trial] = _rigid_rms(points[trial], ideal, world)
-        block = reduced.block if block is None else block
-    assert block is not None
-    before, after = (float(np.sqrt(np.mean(v**2))) for v in (put_in, left))
-    return _figures(block, points, given, model, before, after, ideal)
+    squares = np.zeros(2)
+    for first in range(0, trials, TOGETHER):
+        some = slice(first, min(first + TOGETHER, trials))
+        squares += [_squares_beyond_rigid(m[some], world).sum() for m in (machine, reduced)]
+    before, after = (float(v) for v in 1000.0 * np.sqrt(squares / (trials * 2 * prepared.count)))
+    return _figures(reduce(prepared.measure(0), plan).block, reduced, given, model, before, after, world.ideal)
 
 
 def _figures(
-    block: Block, points: Floats, given: Floats, model: ApModel, put_in: float, left: float, ideal: Floats
+    block: Block, points: MeasuredTrials, given: Floats, model: ApModel, put_in: float, left: float, ideal: Floats
 ) -> dict[str, float]:
     o = block.observations
     # the ideal block is the nominal one, so that all trials are near it
@@ -160,12 +157,15 @@ def _mean(name: str, values: Floats) -> dict[str, float]:
     return {name: float(found.estimate[0]), f"{name}_mcse": float(found.mcse[0])}
 
 
-def _rigid_rms(machine: Floats, ideal: Floats, world: World) -> float:
-    """The rms difference, um, of a coordinate after the best shift and rotation of every image."""
-    left = np.empty(len(machine))
+def _squares_beyond_rigid(measured: Floats, world: World) -> Floats:
+    """(t, k) mm^2: squared distances of points (t, k, 2) from the ideal ones after the best shift and rotation of every
+    image of every trial.
+    """
+    left = np.empty(measured.shape[:2])
     for i in range(len(world.plan)):
         own = world.image == i
-        z, w = machine[own] @ [1.0, 1.0j], ideal[own] @ [1.0, 1.0j]
-        z, w = z - z.mean(), w - w.mean()
-        left[own] = np.abs(z * np.exp(1j * np.angle(np.vdot(z, w))) - w)
-    return 1000.0 * float(np.sqrt(np.mean(left**2) / 2.0))
+        z, w = measured[:, own] @ [1.0, 1.0j], world.ideal[own] @ [1.0, 1.0j]
+        z, w = z - z.mean(axis=1, keepdims=True), w - w.mean()
+        turn = np.exp(-1j * np.angle(z @ w.conj()))
+        left[:, own] = np.abs(z * turn[:, None] - w) ** 2
+    return left

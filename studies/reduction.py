@@ -68,12 +68,12 @@ def reduce(raw: Raw, plan: Plan | None = None) -> ReducedBlock:
     xy = oriented.xy
     if plan.reseau_degree is not None:
         is_reseau = np.array([kind == "reseau" for kind in raw.mark_kinds])[raw.mark]
-        places = _places(raw)[is_reseau]
+        places = marks_of(raw)[is_reseau]
         corrected = reductions.reseau(
             xy, o.image, marks[is_reseau], places, raw.mark_image[is_reseau], plan.reseau_degree
         )
         xy = _noted(removed, "reseau", corrected)
-    xy = _through_lens_and_air(raw, plan, xy, removed)
+    xy = through_lens_and_air(raw, plan, xy, o.image, removed)
     observations = ImageObservations(o.image, o.point, xy, o.sigma)
     return ReducedBlock(Block(b.cameras, b.images, b.points, observations), double, inner, removed)
 
@@ -83,13 +83,14 @@ def _inner(raw: Raw, plan: Plan, marks: Floats, xy: Floats) -> tuple[InnerOrient
     is_fiducial = np.array([kind == "fiducial" for kind in raw.mark_kinds])[raw.mark]
     image = raw.mark_image[is_fiducial]
     found = reductions.inner_orientation(
-        plan.inner, marks[is_fiducial], _places(raw)[is_fiducial], image, len(raw.block.images)
+        plan.inner, marks[is_fiducial], marks_of(raw)[is_fiducial], image, len(raw.block.images)
     )
     return found, found.apply(marks, raw.mark_image).xy, found.apply(xy, raw.block.observations.image)
 
 
-def _through_lens_and_air(raw: Raw, plan: Plan, xy: Floats, removed: dict[str, Floats]) -> Floats:
-    b, image = raw.block, raw.block.observations.image
+def through_lens_and_air(raw: Raw, plan: Plan, xy: Floats, image: Indices, removed: dict[str, Floats]) -> Floats:
+    """(k, 2): points xy (k, 2) in the images (k) without lens errors, refraction and curvature, as the plan says."""
+    b = raw.block
     if plan.lens and raw.certificates:
         before, xy = xy, np.array(xy)
         for number, camera in enumerate(b.cameras):
@@ -109,7 +110,7 @@ def _through_lens_and_air(raw: Raw, plan: Plan, xy: Floats, removed: dict[str, F
     return xy
 
 
-def _places(raw: Raw) -> Floats:
+def marks_of(raw: Raw) -> Floats:
     """(f, 2) the calibrated positions of all measured marks."""
     camera_ids = raw.block.camera_ids
     table = np.stack([raw.calibrated[c] for c in camera_ids])

@@ -8,8 +8,10 @@ belong: deformations of the film act on the marks, too, everything else only on 
 
 from __future__ import annotations
 
+import zlib
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 
@@ -19,7 +21,7 @@ from simfield.chain.film import FieldAt, RandomField, field_at
 from simfield.chain.lens import Lens
 from simfield.chain.machine import Comparator, Errors, Marks
 from simfield.chain.raw import Raw
-from simfield.counter_normals import normal_pairs
+from simfield.counter_normals import Words, normal_pairs, words
 from simfield.distortion import measured_from_ideal, systematic
 from simfield.effects import FilmAffine, FilmPolynomial, UnflatFilm
 from simfield.simulate import World
@@ -27,6 +29,7 @@ from simfield.streams import counter_key, stream
 
 FILM = (FilmAffine, FilmPolynomial, UnflatFilm)
 REACH_MM = 125.0
+KINDS = ("point", "mark")
 
 
 @dataclass(frozen=True)
@@ -67,7 +70,7 @@ class Prepared:
     def on_film(self, trial: int) -> Floats:
         """(n, 2) mm: where everything lies on the deformed film of a trial."""
         film = self.world.film(trial) if self.world.scenario.film else None
-        exposed = self.exposed if self.field is None else self.exposed + self.field.draw(self.world.seed, trial)
+        exposed = self.exposed if self.field is None else self.exposed + self.field.draw(trial)
 
         def displacement(xy: Floats) -> Floats:
             d = self.constant_film(xy)
@@ -80,29 +83,96 @@ class Prepared:
         world, chain, k = self.world, self.chain, self.count
         xy = self.on_film(trial)
         xy[:k] += world.image_noise.of(trial)
-        xy[k:] += _pairs(world.seed, "mark pointing", len(xy) - k, trial) * chain.errors.pointing_um / 1000.0
-        _gross(xy[:k], chain.errors, world, trial)
+        xy[k:] += chain.errors.pointing_um / 1000.0 * self._pairs("mark pointing", trial)[k:]
+        xy[:k] += self._gross(trial)
         settings = self._on_machine(xy, trial)
         kept = stream(world.seed, "missed", trial).random(k) >= chain.errors.missed_rate
-        points = _confused(world, chain.errors, trial)
-        return Raw.of(self, settings, kept, points, trial)
+        return Raw.of(self, settings, kept, self._named(trial), trial)
 
     def _on_machine(self, xy: Floats, trial: int) -> Floats:
         """(n, s, 2) mm: machine coordinates of every setting."""
-        machine = self.chain.comparator
-        m = len(self.world.plan)
-        random = stream(self.world.seed, "placement", trial)
-        turn = np.deg2rad(machine.placement_sigma_deg) * random.standard_normal(m)
-        shift = machine.placement_sigma_mm * random.standard_normal((m, 2))
+        machine, key = self.chain.comparator, counter_key(self.world.seed, "placement")
+        turned, shifted = (normal_pairs(key, i, self.image_words, trial) for i in (0, 1))
+        turn = np.deg2rad(machine.placement_sigma_deg) * turned[:, 0]
+        shift = machine.placement_sigma_mm * shifted
         cosine, sine = np.cos(turn)[self.image], np.sin(turn)[self.image]
         placed = np.column_stack([cosine * xy[:, 0] - sine * xy[:, 1], sine * xy[:, 0] + cosine * xy[:, 1]])
         placed = (placed + shift[self.image]) @ machine.matrix().T
         placed += self.time[:, None] * (np.array(machine.drift_um) / 1000.0)
-        settings = np.repeat(placed[:, None, :], machine.settings, axis=1)
-        if machine.setting_um:
-            errors = _pairs(self.world.seed, "setting", len(xy) * machine.settings, trial)
-            settings += machine.setting_um / 1000.0 * errors.reshape(settings.shape)
-        return settings
+        # mean and half difference of two settings are independent, as the settings are
+        sigma = machine.setting_um / 1000.0 / np.sqrt(machine.settings)
+        placed += sigma * self._pairs("setting", trial)
+        if machine.settings == 1:
+            return placed[:, None, :]
+        half = sigma * self._pairs("setting difference", trial)
+        return np.stack([placed - half, placed + half], axis=1)
+
+    @property
+    def image_words(self) -> Words:
+        """(m) what the numbers of an image hang on."""
+        return np.array([zlib.crc32(name.encode()) for name in self.world.plan.image_ids], dtype=np.uint64)
+
+    @property
+    def place_words(self) -> Words:
+        """(n) what the numbers of a point (its place in the field) or a setting of a mark (its order) hang on."""
+        points = self.world.place[self.world.point]
+        marks = (len(self.image) - self.count) // len(self.world.plan)
+        return np.concatenate([points, np.tile(np.arange(marks), len(self.world.plan))]).astype(np.uint64)
+
+    def _pairs(self, name: str, trial: int) -> Floats:
+        """(n, 2) standard normal numbers of a trial; those of marks are not those of points."""
+        k, image = self.count, self.image_words[self.image]
+        places, keys = self.place_words, (counter_key(self.world.seed, name, kind) for kind in KINDS)
+        parts = (slice(0, k), slice(k, None))
+        return np.concatenate(
+            [normal_pairs(key, places[p], image[p], trial) for key, p in zip(keys, parts, strict=True)]
+        )
+
+    def _gross(self, trial: int) -> Floats:
+        """(k, 2) mm: gross errors of the points."""
+        errors, k = self.chain.errors, self.count
+        key, place, image = (
+            counter_key(self.world.seed, "gross"),
+            self.place_words[:k],
+            self.image_words[self.image[:k]],
+        )
+        hit = words(key, place, image, trial) < share_of_words(errors.gross_rate)
+        size = normal_pairs(counter_key(self.world.seed, "gross size"), place, image, trial)
+        return np.asarray(np.where(hit[:, None], errors.gross_um / 1000.0 * size, 0.0))
+
+    def _named(self, trial: int) -> Indices:
+        """(k): the point that the operator took each image point for; points set one after the other are exchanged."""
+        point, first = np.array(self.world.point), self.first_of_pairs
+        image = self.image[first]
+        key, place = counter_key(self.world.seed, "confused"), self.place_words[first]
+        hit = words(key, place, self.image_words[image], trial) < share_of_words(self.chain.errors.confused_rate)
+        second = self.second_of_pairs[hit]
+        point[first[hit]], point[second] = self.world.point[second], self.world.point[first[hit]]
+        return point
+
+    @property
+    def first_of_pairs(self) -> Indices:
+        """(p) the points 0, 2, 4 ... in the session of each image that have a successor there."""
+        return self._session_pairs[0]
+
+    @property
+    def second_of_pairs(self) -> Indices:
+        """(p) their successors."""
+        return self._session_pairs[1]
+
+    @cached_property
+    def _session_pairs(self) -> tuple[Indices, Indices]:
+        pairs = [
+            own[: len(own) // 2 * 2].reshape(-1, 2)
+            for own in (np.flatnonzero(self.world.image == i) for i in range(len(self.world.plan)))
+        ]
+        first, second = np.concatenate(pairs).T
+        return first, second
+
+
+def share_of_words(rate: float) -> int:
+    """How many of the 2^32 words lie below the one that cuts off this share."""
+    return round(rate * 2.0**32)
 
 
 def prepare(world: World, chain: Chain) -> Prepared:
@@ -125,7 +195,7 @@ def prepare(world: World, chain: Chain) -> Prepared:
         plan = world.plan
         owners = {"image": plan.image_ids, "flight": plan.flight_ids, "camera": plan.camera_ids}
         names = owners[chain.film_field.per]
-        field = field_at(chain.film_field, exposed, tuple(names[i] for i in image.tolist()), REACH_MM)
+        field = field_at(chain.film_field, exposed, tuple(names[i] for i in image.tolist()), REACH_MM, world.seed)
     return Prepared(
         world,
         chain,
@@ -160,29 +230,3 @@ def _times(world: World) -> Floats:
         own = np.flatnonzero(world.image == i)
         time[own] = (1.0 + np.arange(len(own))) / (1.0 + len(own))
     return time
-
-
-def _pairs(seed: int, name: str, count: int, trial: int) -> Floats:
-    """(count, 2) standard normal numbers of a trial."""
-    return normal_pairs(counter_key(seed, name), np.arange(count, dtype=np.uint64), 0, trial)
-
-
-def _gross(xy: Floats, errors: Errors, world: World, trial: int) -> None:
-    """Add gross errors to points xy (k, 2) in place."""
-    if errors.gross_rate:
-        random = stream(world.seed, "gross", trial)
-        hit = random.random(len(xy)) < errors.gross_rate
-        xy[hit] += errors.gross_um / 1000.0 * random.standard_normal((int(hit.sum()), 2))
-
-
-def _confused(world: World, errors: Errors, trial: int) -> Indices:
-    """(k): the point that the operator took each image point for; pairs of an image are exchanged."""
-    point = np.array(world.point)
-    if errors.confused_rate:
-        random = stream(world.seed, "confused", trial)
-        for i in range(len(world.plan)):
-            own = np.flatnonzero(world.image == i)
-            pairs = int(random.binomial(len(own) // 2, errors.confused_rate))
-            picked = random.permutation(own)[: 2 * pairs].reshape(2, -1)
-            point[picked[0]], point[picked[1]] = world.point[picked[1]], world.point[picked[0]]
-    return point

@@ -130,6 +130,8 @@ def _chapter(found: Findings, twin: Twin) -> Iterator[str]:
         "line are 0.\n"
     )
     yield _not_separable(found, twin)
+    ending = "" if twin.reading == "2-D" else f"-{twin.reading}"
+    yield f"![published figures in the simulated distributions](located{ending}.png)\n"
     yield table1_markdown(twin.table)
     yield _outside(twin)
     yield f"## mu_xy as {name}: the fixed world\n"

@@ -6,12 +6,13 @@ import time
 from pathlib import Path
 
 from simfield.scenario_file import scenario_as_table
+from studies.canvas import house_style, save
 from studies.provenance import provenance
 from studies.reproduce_1980 import table1
 from studies.reproduce_1980.report import write_provenance
 from studies.reproduce_1980.story import Reproduction
 from studies.tables import write_csv
-from studies.twin_1980 import pages
+from studies.twin_1980 import drawings, pages
 from studies.twin_1980.findings import Findings, compute
 
 MAIN = "2-D"
@@ -30,7 +31,7 @@ def reproduce(folder: Path, *, trials: int, jobs: int | None, seed: int) -> Repr
 
 
 def _write(found: Findings, folder: Path, command: str) -> list[Path]:
-    written = []
+    written: list[Path] = []
     sizes = dict.fromkeys(("first_fit", "size", "refit_16", "refit_50", "refit_84"), ".2f")
     tables = {
         "components": (pages.components_table(found), sizes),
@@ -41,6 +42,8 @@ def _write(found: Findings, folder: Path, command: str) -> list[Path]:
         ending = "" if reading == MAIN else f"-{reading}"
         tables[f"table1{ending}"] = (twin.table, table1.FORMATS)
         tables[f"table1-fixed{ending}"] = (twin.table_fixed, table1.FORMATS)
+        with house_style():
+            written += save(drawings.located(twin), folder / f"located{ending}")
     for name, (table, formats) in tables.items():
         path = folder / f"{name}.csv"
         write_csv(table, path, formats)

@@ -24,8 +24,8 @@ def world():
 def test_a_random_field_has_its_size_and_correlation():
     field = RandomField(3.0, 40.0)
     xy = np.array([[0.0, 0.0], [40.0, 0.0], [-70.0, 90.0], [0.0, 0.0]])
-    at = field_at(field, xy, ("a", "a", "a", "b"), 125.0)
-    drawn = 1000.0 * np.stack([at.draw(1, trial) for trial in range(1500)]).transpose(1, 2, 0).reshape(4, -1)
+    at = field_at(field, xy, ("a", "a", "a", "b"), 125.0, 1)
+    drawn = 1000.0 * np.stack([at.draw(trial) for trial in range(1500)]).transpose(1, 2, 0).reshape(4, -1)
     # two axes a trial
     n = drawn.shape[1]
     assert (np.abs(drawn.std(axis=1) - 3.0) < STANDARD_ERRORS * 3.0 / np.sqrt(2 * n)).all()

@@ -9,6 +9,9 @@ import pytest
 
 from simfield import build_world, presets
 
+SOLVED_OTHERWISE_MM = 1e-10
+"""film is solved in a fixed number of steps around an expansion, instead of down to rounding"""
+
 
 @pytest.mark.parametrize("name", ["rheidt-1980", "rheidt-1980-film", "grid-small"])
 def test_a_slice_is_what_single_trials_give(name):
@@ -16,7 +19,11 @@ def test_a_slice_is_what_single_trials_give(name):
     draws = world.draws(10, 20)
     assert len(draws) == 10
     single = np.stack([world.image_points(trial) for trial in range(12, 15)])
-    assert np.array_equal(draws[2:5], single)
+    if world.scenario.film:
+        np.testing.assert_allclose(draws[2:5], single, rtol=0, atol=SOLVED_OTHERWISE_MM)
+    else:
+        assert np.array_equal(draws[2:5], single)
+    assert np.array_equal(draws[2:5], draws[0:9][2:5])
     assert np.array_equal(draws[2:5], pickle.loads(pickle.dumps(draws))[2:5])
 
 

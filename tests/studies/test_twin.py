@@ -84,7 +84,7 @@ def test_terms_of_a_fixed_world_are_its_effects():
 
 def test_the_f_test_counts_what_the_finer_choice_adds():
     world = build_world(presets["rheidt-1980"], 5)
-    steps = ap_sets._steps(*world.observe(0), "torlegard")
+    steps = ap_sets._steps(world.observe(0)[0], "torlegard")
     assert [step[1] for step in steps] == [12, 54, 156]
 
 
@@ -119,4 +119,6 @@ def test_the_twin_is_written(tmp_path):
         ["reproduce", "mauelshagen-1980", "--world", "twin", "--trials", "20", "--jobs", "1", "--out", str(tmp_path)],
     )
     assert done.exit_code == 0, done.output
-    assert {"table1.csv", "table1-fixed.csv", "report.md", "provenance.json"} <= {f.name for f in tmp_path.iterdir()}
+    assert {"table1.csv", "table1-fixed.csv", "located.png", "report.md", "provenance.json"} <= {
+        f.name for f in tmp_path.iterdir()
+    }

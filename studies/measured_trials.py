@@ -1,0 +1,188 @@
+"""Image coordinates of many trials through the whole measurement chain and its reductions, drawn when asked for.
+
+The fast route to what `simfield.chain.Prepared.measure` and `studies.reduction.reduce` say trial by trial: what is
+deterministic for a geometry is computed once, what is random in compiled loops over blocks of trials. It agrees with
+the readable route to 1e-9 mm, and a trial has the same bits in any block.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from simfield.block import Floats, Indices
+from simfield.chain import Prepared
+from simfield.chain.measure import share_of_words
+from simfield.chain.raw import Raw
+from simfield.draws import WIDTH
+from simfield.expansion import second_order
+from simfield.streams import counter_key
+from studies.reduction import Plan, marks_of, through_lens_and_air
+
+PERIOD = 16
+"""trials that are drawn together"""
+
+
+@dataclass(frozen=True, eq=False)
+class MeasuredTrials:
+    """The trials start .. stop - 1 of a prepared chain, reduced by a plan, to be sliced like an array (t, k, 2) in mm.
+
+    plan None: the means of the settings in the machine's frame, not reduced. rows (k): which of the world's
+    observations, all if None. Goes into `adjust_replicates` as it is.
+    """
+
+    prepared: Prepared
+    plan: Plan | None
+    start: int
+    stop: int
+    rows: Indices | None = None
+
+    def __post_init__(self) -> None:
+        if self.prepared.chain.errors.missed_rate > 0.0:
+            raise ValueError("missed points make every trial a geometry of its own: measure and adjust them one by one")
+        if not 0 <= self.start <= self.stop < 2**32:
+            raise ValueError(f"trials are numbered from 0 to 2^32 - 1, found {self.start} to {self.stop}")
+
+    def __len__(self) -> int:
+        return self.stop - self.start
+
+    def only(self, rows: Indices) -> MeasuredTrials:
+        """The same trials of these observations alone, as in a sub-block."""
+        return replace(self, rows=np.asarray(rows) if self.rows is None else self.rows[rows])
+
+    def __getitem__(self, trials: slice) -> Floats:
+        """(t, k, 2). Raises ValueError for a step other than 1."""
+        first, last, step = trials.indices(len(self))
+        if step != 1:
+            raise ValueError(f"trials come one after the other, found a step of {step}")
+        count = max(last - first, 0)
+        drawn = np.empty((-(-count // WIDTH), self._count, 2, WIDTH))
+        self.fill_lanes(slice(first, first + count), drawn)
+        return np.ascontiguousarray(drawn.transpose(0, 3, 1, 2)).reshape(-1, self._count, 2)[:count]
+
+    def fill_lanes(self, trials: slice, lanes: Floats) -> None:
+        """Measure into lanes (tiles, k, 2, WIDTH), as `simfield.draws.ImagePointDraws.fill_lanes` does."""
+        number = self.start + trials.start
+        early, tiles = number % PERIOD, len(lanes)
+        if not early and not tiles % 2:
+            self._fill(lanes, number)
+            return
+        whole = np.empty((tiles + 2 + tiles % 2, *lanes.shape[1:]))
+        self._fill(whole, number - early)
+        in_a_row = whole.transpose(0, 3, 1, 2).reshape(-1, *lanes.shape[1:3])[early : early + WIDTH * tiles]
+        lanes[:] = in_a_row.reshape(tiles, WIDTH, *lanes.shape[1:3]).transpose(0, 2, 3, 1)
+
+    @property
+    def _count(self) -> int:
+        return self.prepared.count if self.rows is None else len(self.rows)
+
+    def _fill(self, lanes: Floats, number: int) -> None:
+        from studies.compiled_chain import measure_and_reduce
+
+        parts, kept, places = self._tables
+        wide = lanes if kept is None else np.empty((len(lanes), self.prepared.count, 2, WIDTH))
+        far = np.zeros((len(places), WIDTH * len(lanes)), dtype=np.bool_)
+        if measure_and_reduce(wide, far, number, *parts, places):  # type: ignore[call-arg]
+            self._far(wide, far, places)
+        if kept is not None:
+            lanes[:] = wide[:, kept]
+
+    def _far(self, lanes: Floats, far: Any, places: Indices) -> None:
+        """Take lens and air out of the few points that errors have thrown far, by the formulas themselves."""
+        assert self.plan is not None
+        at, trial = np.nonzero(far)
+        row = places[at]
+        observed = self._sorted[at]
+        tile, lane = trial // WIDTH, trial % WIDTH
+        xy = lanes[tile, row, :, lane]
+        lanes[tile, row, :, lane] = through_lens_and_air(
+            self._raw, self.plan, xy, self.prepared.world.image[observed], {}
+        )
+
+    @cached_property
+    def _raw(self) -> Raw:
+        """A measured file of this chain: what the reductions know of camera, marks, machine and heights."""
+        return self.prepared.measure(0)
+
+    @property
+    def _whole(self) -> bool:
+        """Whether all observations are measured and some picked afterwards: where points are taken for each other."""
+        return self.rows is None or self.prepared.chain.errors.confused_rate > 0.0
+
+    @cached_property
+    def _sorted(self) -> Indices:
+        """(n) the observations that are measured, sorted by image."""
+        image = self.prepared.world.image
+        rows = np.arange(self.prepared.count) if self._whole or self.rows is None else self.rows
+        return rows[np.argsort(image[rows], kind="stable")]
+
+    @cached_property
+    def _tables(self) -> tuple[tuple[Any, ...], Indices | None, Indices]:
+        """What the compiled loop wants to know, which of its rows are picked afterwards, and where it puts them."""
+        from simfield.chain.compiled import tables
+
+        image = self.prepared.world.image
+        rows = np.arange(self.prepared.count) if self._whole or self.rows is None else self.rows
+        places = np.argsort(image[rows], kind="stable")
+        points, marks, session = tables(self.prepared, self._sorted)
+        parts = (points, marks, session, self._frame(marks), self._tail(points), self._confusion(places))
+        return parts, self.rows if self._whole else None, places
+
+    def _frame(self, marks: Any) -> Any:
+        from adjust.reductions import compiled
+
+        raw, plan, images = self._raw, self.plan, len(self.prepared.world.plan)
+        settings = len(raw.mark) // images
+        if plan is None:
+            return compiled.nothing_reduced(images, settings)
+        if plan.reseau_degree is not None and plan.reseau_degree > compiled.MOST_DEGREE:
+            raise ValueError(f"for many trials the degree of the reseau correction is at most {compiled.MOST_DEGREE}")
+        kinds = np.array(raw.mark_kinds)[raw.mark[:settings]]
+        weights = compiled.drift_weights(raw.mark_image, raw.mark, raw.mark_time, images)
+        scale_x, scale_y, shear = (1e-6 * v if plan.comparator else 0.0 for v in raw.machine)
+        return compiled.Frame(
+            weights if plan.drift else np.zeros_like(weights),
+            scale_x,
+            scale_y,
+            shear,
+            compiled.frame_kind(plan.inner),
+            np.flatnonzero(kinds == "fiducial"),
+            marks_of(raw).reshape(images, settings, 2),
+            plan.reseau_degree or 0,
+            np.flatnonzero(kinds == "reseau"),
+        )
+
+    def _tail(self, points: Any) -> Any:
+        from studies.compiled_chain import Tail
+
+        plan = self.plan
+        # before lens and air are taken out, a point lies where it was exposed, but for errors and what is left of film
+        place = self.prepared.exposed[self._sorted]
+        image = self.prepared.world.image[self._sorted]
+        if plan is None or not (plan.lens or plan.refraction or plan.curvature):
+            return Tail(place, np.zeros_like(place), np.zeros((len(place), 2, 5)), False)
+
+        def removed(xy: Floats) -> Floats:
+            return xy - through_lens_and_air(self._raw, plan, xy, image, {})
+
+        return Tail(place, removed(place), second_order(removed, place), True)
+
+    def _confusion(self, places: Indices) -> Any:
+        from studies.compiled_chain import Confusion
+
+        p, world = self.prepared, self.prepared.world
+        share = np.uint64(share_of_words(p.chain.errors.confused_rate))
+        key = np.array(counter_key(world.seed, "confused"), dtype=np.uint64)
+        if not share:
+            none = np.zeros(0, dtype=np.intp)
+            return Confusion(
+                np.zeros(len(world.plan) + 1, dtype=np.intp), none, none, none.astype(np.uint64), key, share
+            )
+        at = np.argsort(places)
+        image = world.image[p.first_of_pairs]
+        ends = np.searchsorted(image, np.arange(len(world.plan) + 1))
+        word = p.place_words[p.first_of_pairs]
+        return Confusion(ends, at[p.first_of_pairs], at[p.second_of_pairs], word, key, share)
