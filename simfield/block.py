@@ -213,7 +213,7 @@ def _check_shape(table: str, name: str, array: npt.NDArray[Any], shape: tuple[in
         raise BlockError(table, f"{name} has shape {array.shape}, needed is {shape}")
 
 
-def _check_ids(table: str, ids: Sequence[str], column: str) -> None:
+def _check_ids(table: str, ids: Sequence[object], column: str) -> None:
     if not ids:
         raise BlockError(table, "is empty")
     seen: dict[str, int] = {}
