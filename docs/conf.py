@@ -35,8 +35,14 @@ html_show_sphinx = False
 html_copy_source = False
 # A fixed palette of two blues; the fonts are those of the reader's system.
 html_theme_options = {
-    "light_css_variables": {"color-brand-primary": "#0060a0", "color-brand-content": "#0060a0"},
-    "dark_css_variables": {"color-brand-primary": "#6cb6e8", "color-brand-content": "#6cb6e8"},
+    "light_css_variables": {
+        "color-brand-primary": "#0060a0",
+        "color-brand-content": "#0060a0",
+    },
+    "dark_css_variables": {
+        "color-brand-primary": "#6cb6e8",
+        "color-brand-content": "#6cb6e8",
+    },
 }
 pygments_style = "friendly"
 
@@ -44,7 +50,7 @@ pygments_style = "friendly"
 default_role = "py:obj"
 autodoc_member_order = "bysource"
 autodoc_typehints = "signature"
-autodoc_default_options = {"members": True, "show-inheritance": True}
+autodoc_default_options = {"members": True}
 autodoc_type_aliases = {"Floats": "Floats", "Indices": "Indices"}
 autodoc_preserve_defaults = True
 python_maximum_signature_line_length = 100

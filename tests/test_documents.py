@@ -17,7 +17,14 @@ TOP = Path(__file__).parents[1]
 CONVENTIONS = (TOP / "docs/conventions.md").read_text(encoding="utf-8")
 PAGES = [TOP / "README.md", *sorted(p for p in (TOP / "docs").rglob("*.md") if "_build" not in p.parts)]
 BLOCKS = {page.relative_to(TOP).as_posix(): pieces(page) for page in PAGES}
-LONG = {"README.md", "docs/tutorial.md", "docs/studies.md", "docs/howto/cluster.md", "docs/howto/sql-and-r.md"}
+LONG = {
+    "README.md",
+    "docs/tutorial.md",
+    "docs/studies.md",
+    "docs/howto/cluster.md",
+    "docs/howto/own-block.md",
+    "docs/howto/sql-and-r.md",
+}
 """pages that take more than a few seconds"""
 
 NOT_RUN = {

@@ -14,10 +14,14 @@ def visit_inline(translator: HTML5Translator, node: nodes.math) -> None:
 
 
 def visit_display(translator: HTML5Translator, node: nodes.math_block) -> None:
-    translator.body.append(f'<div class="formula">{convert(node.astext(), display="block")}</div>\n')
+    translator.body.append(
+        f'<div class="formula">{convert(node.astext(), display="block")}</div>\n'
+    )
     raise nodes.SkipNode
 
 
 def setup(app: Sphinx) -> dict[str, bool]:
-    app.add_html_math_renderer("mathml", (visit_inline, None), (visit_display, None))
+    app.add_html_math_renderer(
+        "mathml", (visit_inline, None), (visit_display, None)
+    )
     return {"parallel_read_safe": True, "parallel_write_safe": True}

@@ -14,12 +14,19 @@ def escaped(line: str) -> str:
     return MARKUP.sub(lambda found: found[1] or "\\" + found[2], line)
 
 
-def escape(app: Sphinx, what: str, name: str, of: object, options: object, lines: list[str]) -> None:
+def escape(
+    app: Sphinx, what: str, name: str, of: object, options: object, lines: list[str]
+) -> None:
     """Escape a docstring in place; indented listings, which are literal, get the `::` that they need."""
     plain: list[str] = []
     for number, line in enumerate(lines):
         indented = line.startswith("    ") and line.strip()
-        after_text = number > 0 and not lines[number - 1].strip() and plain and _is_text(plain)
+        after_text = (
+            number > 0
+            and not lines[number - 1].strip()
+            and plain
+            and _is_text(plain)
+        )
         if indented and after_text:
             plain += ["::", ""]
         plain.append(line if indented else escaped(line))
