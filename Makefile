@@ -12,7 +12,7 @@ INSTALLED := $(VENV)/.installed
 PEERS := $(VENV)/.peers
 
 .DEFAULT_GOAL := help
-.PHONY: help install test test-slow check docs reproduce bench
+.PHONY: help install test test-slow check docs docs-figures reproduce bench
 
 help: ## show this list
 	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/make \1\t\2/p' $(MAKEFILE_LIST) | expand -t 16
@@ -43,6 +43,9 @@ check: $(INSTALLED) ## ruff, formatting, types, layers of the packages, scientif
 docs: $(INSTALLED) ## build the documentation into docs/_build/html, a warning is an error
 	rm -rf docs/_build
 	$(BIN)/sphinx-build -W --keep-going -q -b html docs docs/_build/html
+
+docs-figures: $(INSTALLED) ## draw the figures of the tutorial anew, by following it
+	$(BIN)/python -m tests.draw_tutorial docs/figures
 
 reproduce: $(INSTALLED) ## repeat the experiment of Mauelshagen 1980 into results/mauelshagen-1980
 	$(BIN)/simfield reproduce mauelshagen-1980

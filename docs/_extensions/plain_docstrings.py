@@ -1,4 +1,4 @@
-"""Docstrings are plain text with names in single backticks; a bar or a star in a formula is no markup."""
+"""Docstrings as they are: plain text with names in single backticks; a bar or star in a formula is no markup."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import re
 
 from sphinx.application import Sphinx
 
+ALIAS = re.compile(r"TypeAliasForwardRef\('(\w+)'\)")
 MARKUP = re.compile(r"(`[^`]+`)|([|*\\]|_(?=\W|$))")
 
 
@@ -33,6 +34,22 @@ def escape(
     lines[:] = plain
 
 
+def named(
+    app: Sphinx,
+    what: str,
+    name: str,
+    of: object,
+    options: object,
+    signature: str | None,
+    returned: str | None,
+) -> tuple[str | None, str | None]:
+    """A signature with an alias such as Floats by its name, also where it stands inside a tuple."""
+    plain = (
+        ALIAS.sub(r"\1", text) if text else text for text in (signature, returned)
+    )
+    return next(plain), next(plain)
+
+
 def _is_text(plain: list[str]) -> bool:
     """Whether the last line that is not empty is running text."""
     last = next((line for line in reversed(plain) if line.strip()), "")
@@ -41,4 +58,5 @@ def _is_text(plain: list[str]) -> bool:
 
 def setup(app: Sphinx) -> dict[str, bool]:
     app.connect("autodoc-process-docstring", escape)
+    app.connect("autodoc-process-signature", named)
     return {"parallel_read_safe": True, "parallel_write_safe": True}
