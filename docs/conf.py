@@ -48,6 +48,8 @@ pygments_style = "friendly"
 
 # Names in single backticks of a docstring are links where they lead somewhere, and code elsewhere.
 default_role = "py:obj"
+# A listing in a docstring is a formula; blocks of code say what they are.
+highlight_language = "none"
 autodoc_member_order = "bysource"
 autodoc_typehints = "signature"
 autodoc_default_options = {"members": True}

@@ -7,12 +7,15 @@ import re
 from sphinx.application import Sphinx
 
 ALIAS = re.compile(r"TypeAliasForwardRef\('(\w+)'\)")
+ENUMERATED = re.compile(r"\(?\w{1,3}[.)](?=\s)")
+"""what would begin a numbered list, such as the shape (n)"""
 MARKUP = re.compile(r"(`[^`]+`)|([|*\\]|_(?=\W|$))")
 
 
 def escaped(line: str) -> str:
     """The line with every sign escaped that reStructuredText would take for markup, outside of backticks."""
-    return MARKUP.sub(lambda found: found[1] or "\\" + found[2], line)
+    plain = MARKUP.sub(lambda found: found[1] or "\\" + found[2], line)
+    return "\\" + plain if ENUMERATED.match(plain) else plain
 
 
 def escape(
