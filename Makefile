@@ -6,13 +6,16 @@ PYTEST_ARGS ?=
 # arguments of the benchmark, such as --quick
 BENCH_ARGS ?=
 
+# a kernel that the environment forces upon OpenBLAS would lower the peak that shares are measured by
+NATIVE_BLAS := env -u OPENBLAS_CORETYPE -u OPENBLAS_L2_SIZE
+
 VENV := .venv
 BIN := $(VENV)/bin
 INSTALLED := $(VENV)/.installed
 PEERS := $(VENV)/.peers
 
 .DEFAULT_GOAL := help
-.PHONY: help install test test-slow check docs docs-figures reproduce bench
+.PHONY: help install test test-slow check docs docs-figures reproduce gallery bench
 
 help: ## show this list
 	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/make \1\t\2/p' $(MAKEFILE_LIST) | expand -t 16
@@ -49,6 +52,10 @@ docs-figures: $(INSTALLED) ## draw the figures of the tutorial anew, by followin
 
 reproduce: $(INSTALLED) ## repeat the experiment of Mauelshagen 1980 into results/mauelshagen-1980
 	$(BIN)/simfield reproduce mauelshagen-1980
+	$(BIN)/simfield report results/mauelshagen-1980
+
+gallery: $(INSTALLED) ## draw every kind of figure into docs/gallery
+	$(BIN)/python -m studies.gallery docs
 
 # Other solvers are needed for comparison only.
 $(PEERS): $(INSTALLED)
@@ -56,4 +63,4 @@ $(PEERS): $(INSTALLED)
 	@touch $@
 
 bench: $(PEERS) ## this engine beside scipy, GTSAM and Ceres; writes benchmarks/latest.json
-	$(BIN)/python -m benchmarks.bench $(BENCH_ARGS)
+	$(NATIVE_BLAS) $(BIN)/python -m benchmarks.bench $(BENCH_ARGS)

@@ -20,12 +20,15 @@ from adjust.adjustment import Adjustment
 from adjust.ap_models.model import ApModel
 from adjust.bundle import adjust_block
 from adjust.compiled_normals import Compiled
-from adjust.kernels import LANES
+from adjust.kernels import LANES, TILES
+from adjust.lanes import WIDTH
 from adjust.observations import Observations
 from adjust.precision import Cofactors
 from adjust.solve import solve
 from adjust.status import Status
 from adjust.traced_terms import UntraceableError, compile_gradient
+from adjust.trials import CHORD, GAUSS_NEWTON, STATUSES, Trials
+from adjust.workspace import Workspace
 from simfield.block import Block, Floats, ImageObservations, Points
 
 ERROR_LEFT = 1e-8
@@ -37,40 +40,15 @@ SMALL_STEP = 1e-9
 CONTRACTION_MOST = 0.2
 """a trial that contracts less is left to full Gauss-Newton"""
 STEPS_MOST = 8
-STATUSES = tuple(Status)
-CHORD, GAUSS_NEWTON = 0, 1
-"""routes by which a trial can be solved"""
-
-
-@dataclass(frozen=True, eq=False)
-class Trials:
-    """Solved trials: x (t, size), vPv (t), status (t) indices into STATUSES, iterations (t), route (t).
-
-    cofactors (t, size): the cofactor of every unknown in every trial, None where nobody asked for them.
-    """
-
-    x: Floats
-    vpv: Floats
-    status: npt.NDArray[np.int8]
-    iterations: npt.NDArray[np.int16]
-    route: npt.NDArray[np.int8]
-    cofactors: Floats | None = None
-
-    @classmethod
-    def joined(cls, parts: list[Trials], size: int) -> Trials:
-        if not parts:
-            return cls(np.empty((0, size)), np.empty(0), np.empty(0, "i1"), np.empty(0, "i2"), np.empty(0, "i1"))
-        names = ("x", "vpv", "status", "iterations", "route")
-        cofactors = [p.cofactors for p in parts if p.cofactors is not None]
-        joined = {name: np.concatenate([getattr(p, name) for p in parts]) for name in names}
-        return cls(**joined, cofactors=np.concatenate(cofactors) if cofactors else None)
 
 
 @dataclass(frozen=True, eq=False)
 class Chord:
-    """What all trials share: the nominal adjustment, the standard deviations s (size, 0 for what is fixed), and C."""
+    """What all trials share: the nominal adjustment, and of the unknowns that are free (f rows of x) their standard
+    deviations s (f) and correlations C (f, f)."""
 
     nominal: Adjustment
+    free: npt.NDArray[np.intp]
     s: Floats
     correlation: npt.NDArray[np.float32]
     exact_std: bool = False
@@ -81,11 +59,10 @@ class Chord:
         nominal = adjust_block(block, model)
         if not nominal.status.ok:
             raise ValueError(f"the block has no nominal adjustment, {nominal.message}")
-        everything = np.arange(len(nominal.x))
-        q = nominal.cofactors.block(everything, everything)
+        free = np.flatnonzero(nominal.cofactors.diagonal > 0.0)
+        q = nominal.cofactors.block(free, free)
         s = np.sqrt(np.diag(q))
-        inverse = np.divide(1.0, s, out=np.zeros_like(s), where=s > 0.0)
-        return cls(nominal, s, np.asarray(q * inverse * inverse[:, None], dtype=np.float32), exact_std)
+        return cls(nominal, free, s, (q / s / s[:, None]).astype(np.float32), exact_std)
 
     @cached_property
     def gradients(self) -> list[tuple[Callable[..., Any], npt.NDArray[np.uint64], int]] | None:
@@ -109,32 +86,37 @@ class Chord:
         return {name: value for name, value in self.__dict__.items() if name not in ("gradients", "linearised")}
 
     @cached_property
+    def s_single(self) -> npt.NDArray[np.float32]:
+        """s in single precision."""
+        return self.s.astype(np.float32)
+
+    @cached_property
     def indices(self) -> tuple[Any, Any, Any, Any]:
         """What the kernel wants to know of the image points: starts, point, weight, interior."""
         g = self.nominal.groups.image_points
-        return g.starts.astype(np.uint64), g.point.astype(np.uint64), g.weight, g.interior
+        return g.starts.astype(np.uint64), g.point, g.weight, g.interior
 
-    def solve(self, image_points: Any, coordinates: Floats | None, trials: slice, room: Workspace) -> Trials:
-        """Solve at most LANES trials of image_points (t, k, 2) and coordinates (t, n, 3; None: those of the block)."""
+    def solve(
+        self, image_points: Any, coordinates: Floats | None, trials: slice, room: Workspace, solved: Trials
+    ) -> None:
+        """Solve at most LANES trials of image_points (t, k, 2) and coordinates (t, n, 3; None: those of the block).
+
+        room: made for these image points; solved: where the results go, as many trials.
+        """
         count = trials.stop - trials.start
         coordinates = None if coordinates is None else coordinates[trials]
         vpv, iterations = np.full(LANES, np.nan), np.zeros(LANES, dtype=np.int16)
         converged = np.zeros(LANES, dtype=bool)
-        room.x[:] = room.start[:] = self.nominal.x[:, None]
-        room.y[:] = 0.0
         if self.gradients is not None:
-            _fill_lanes(image_points, trials, self.nominal.groups.image_points.order, room.xy)
-            self._give_coordinates(coordinates, room)
+            room.begin(trials)
+            if coordinates is not None:
+                self._give_coordinates(coordinates, room)
             ahead = self._step_ahead(room) if coordinates is None else np.full(LANES, np.inf)
             converged = self._iterate(room, ahead, vpv, iterations, np.arange(LANES) < count)
-        solved = Trials(
-            np.ascontiguousarray(room.x[:, :count].T),
-            vpv[:count],
-            np.full(count, STATUSES.index(Status.CONVERGED), dtype=np.int8),
-            iterations[:count],
-            np.where(converged[:count], CHORD, GAUSS_NEWTON).astype(np.int8),
-            np.full((count, len(self.s)), np.nan) if self.exact_std else None,
-        )
+        kernels.untile(room.x, solved.x)
+        solved.vpv[:], solved.iterations[:] = vpv[:count], iterations[:count]
+        solved.status[:] = STATUSES.index(Status.CONVERGED)
+        solved.route[:] = np.where(converged[:count], CHORD, GAUSS_NEWTON)
         left = range(count) if self.exact_std else np.flatnonzero(~converged[:count])
         for trial in left:
             at = trials.start + int(trial)
@@ -146,17 +128,16 @@ class Chord:
                 compiled = Compiled(groups)
                 factor = compiled.factorise(compiled.at(solved.x[trial]))
                 solved.cofactors[trial] = Cofactors(self.nominal.layout, factor).diagonal
-        return solved
 
-    def _give_coordinates(self, coordinates: Floats | None, room: Workspace) -> None:
-        """The reduced given coordinates into room.given, and those held fixed into room.x."""
+    def _give_coordinates(self, coordinates: Floats, room: Workspace) -> None:
+        """The reduced given coordinates (t, n, 3) into room.given, and those held fixed into room.x."""
         layout = self.nominal.layout
-        source = layout.block.points.coordinates[None] if coordinates is None else coordinates
-        rows = (source - layout.origin).reshape(len(source), -1).T
-        room.given[:, : len(source)] = rows
-        room.given[:, len(source) :] = rows[:, :1]
+        rows = (coordinates - layout.origin).reshape(len(coordinates), -1)
+        of_lanes = np.concatenate([rows, np.repeat(rows[:1], LANES - len(rows), axis=0)])
+        room.given[:] = of_lanes.reshape(TILES, WIDTH, -1).transpose(0, 2, 1)
         fixed = layout.block.points.fixed.ravel()
-        room.x[layout.orientation :][fixed] = room.start[layout.orientation :][fixed] = room.given[fixed]
+        for x in (room.x, room.start):
+            x[:, layout.orientation :][:, fixed] = room.given[:, fixed]
 
     @cached_property
     def linearised(self) -> tuple[Any, ...]:
@@ -172,10 +153,10 @@ class Chord:
         """A first step of all trials with the nominal derivatives, in single precision; returns the steps' lengths."""
         starts, point, _, _ = self.indices
         first, parameters, v, xy, jacobian, by_point = self.linearised
-        kernels.first_gradient(starts, point, first, parameters, v, xy, jacobian, by_point, room.xy, room.scaled)
-        np.multiply(room.scaled, self.s[:, None], out=room.scaled, casting="same_kind")
+        kernels.first_gradient(starts, point, first, parameters, v, xy, jacobian, by_point, room.xy, room.first)
+        np.multiply(room.first.reshape(-1, LANES)[self.free], self.s_single[:, None], out=room.scaled)
         np.matmul(self.correlation, room.scaled, out=room.change)
-        kernels.advance(room.change, np.ones(LANES), self.s, room.start, room.y, room.x)
+        kernels.advance(room.change, np.ones((TILES, WIDTH)), self.free, self.s, room.start, room.y, room.x)
         length = np.empty(LANES)
         kernels.longest(room.change, length)
         return length
@@ -196,14 +177,15 @@ class Chord:
         length, worst = np.empty(LANES), np.zeros(LANES)
         for step in range(1, STEPS_MOST + 1):
             cost, depth = self._gradient(room)
-            kernels.scale(room.gradient, self.s, room.scaled)
+            kernels.scale(room.gradient, self.free, self.s, room.scaled)
             np.matmul(self.correlation, room.scaled, out=room.change)
             kernels.longest(room.change, length)
             active = active & (depth > 0.0) & np.isfinite(length)
             contraction = length / before
             if step > 1:
                 active &= (contraction < CONTRACTION_MOST) | (length < SMALL_STEP)
-            kernels.advance(room.change, active, self.s, room.start, room.y, room.x)
+            moving = active.astype(float).reshape(TILES, WIDTH)
+            kernels.advance(room.change, moving, self.free, self.s, room.start, room.y, room.x)
             vpv[active], iterations[active] = cost[active], step
             # the first step measures a distance, not an error: nothing is known of the contraction yet
             worst = np.maximum(worst, contraction)
@@ -220,24 +202,20 @@ class Chord:
     def _gradient(self, room: Workspace) -> tuple[Floats, Floats]:
         """A^T P v at room.x into room.gradient; returns vPv (LANES) and the least depth (LANES)."""
         layout, x = self.nominal.layout, room.x
-        images = len(layout.block.images)
-        angles = x[: 6 * images].reshape(images, 6, LANES)[:, 3:]
-        np.sin(angles, out=room.sine)
-        np.cos(angles, out=room.cosine)
         room.gradient[:] = 0.0
-        vpv, depth = np.zeros(LANES), np.full(LANES, np.inf)
+        vpv, depth = np.zeros((TILES, WIDTH)), np.full((TILES, WIDTH), np.inf)
         assert self.gradients is not None
         for number, (compiled, members, first) in enumerate(self.gradients):
             contexts, sums = room.contexts[number], room.sums[number]
-            kernels.fill_contexts(members, room.sine, room.cosine, x, first, contexts)
+            kernels.fill_contexts(members, x, first, room.turns, contexts)
             compiled(members, *self.indices, contexts, layout.orientation, room.xy, x, sums, room.gradient)
-            kernels.collect(members, sums, contexts, room.sine, room.cosine, first, room.gradient, vpv, depth)
+            kernels.collect(members, sums, contexts, room.turns, first, room.gradient, vpv, depth)
         control = self.nominal.groups.control
         if len(control.columns):
-            v = x[control.columns] - room.given[control.columns - layout.orientation]
-            room.gradient[control.columns] += control.weight[:, None] * v
+            v = x[:, control.columns] - room.given[:, control.columns - layout.orientation]
+            room.gradient[:, control.columns] += control.weight[:, None] * v
             vpv += control.weight @ v**2
-        return vpv, depth
+        return vpv.ravel(), depth.ravel()
 
     def _groups(self, xy: Floats, coordinates: Floats | None) -> tuple[Observations, Floats]:
         """The observations of one trial, and the reduced given coordinates (3n) of its points."""
@@ -257,50 +235,3 @@ class Chord:
         trials.vpv[trial] = groups.cost(solution.x) if solution.status.ok else np.nan
         trials.status[trial] = STATUSES.index(solution.status)
         trials.iterations[trial] += solution.iterations
-
-
-@dataclass(frozen=True, eq=False)
-class Workspace:
-    """The arrays that one block of trials after another is computed in; nothing in them outlives a block."""
-
-    x: Floats
-    y: Floats
-    start: Floats
-    gradient: Floats
-    given: Floats
-    scaled: npt.NDArray[np.float32]
-    change: npt.NDArray[np.float32]
-    xy: Floats
-    sine: Floats
-    cosine: Floats
-    contexts: tuple[Floats, ...]
-    sums: tuple[Floats, ...]
-
-    @classmethod
-    def of(cls, chord: Chord) -> Workspace:
-        layout = chord.nominal.layout
-        images, size = len(layout.block.images), len(chord.nominal.x)
-        widths = [len(s.model.parameters) for s in layout.sets]
-        return cls(
-            x=np.empty((size, LANES)),
-            y=np.empty((size, LANES)),
-            start=np.empty((size, LANES)),
-            gradient=np.empty((size, LANES)),
-            given=np.empty((3 * len(layout.block.points), LANES)),
-            scaled=np.empty((size, LANES), dtype=np.float32),
-            change=np.empty((size, LANES), dtype=np.float32),
-            xy=np.empty((len(layout.block.observations), 2, LANES)),
-            sine=np.empty((images, 3, LANES)),
-            cosine=np.empty((images, 3, LANES)),
-            contexts=tuple(np.empty((images, kernels.PARAMETERS + a, LANES)) for a in widths),
-            sums=tuple(np.empty((images, kernels.PULL + a, LANES)) for a in widths),
-        )
-
-
-def _fill_lanes(image_points: Any, trials: slice, order: npt.NDArray[np.intp], lanes: Floats) -> None:
-    """lanes (k, 2, LANES): trials inmost, sorted by image; lanes without a trial repeat the first one."""
-    if hasattr(image_points, "fill_lanes"):
-        image_points.fill_lanes(trials, order, lanes)
-    else:
-        kernels.transpose(np.ascontiguousarray(image_points[trials], dtype=float), order, lanes)
-    lanes[:, :, trials.stop - trials.start :] = lanes[:, :, :1]

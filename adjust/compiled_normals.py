@@ -218,8 +218,9 @@ class Compiled:
         # only the lower triangle of the Fortran-ordered matrix is used
         reduced = scipy.linalg.blas.dsyrk(-1.0, dense.T, lower=1)
         diagonal = np.empty(size)
-        for i in range(m):
-            reduced[6 * i : 6 * i + 6, 6 * i : 6 * i + 6] += normals.ee[i]
+        down, right = reduced.strides
+        image_blocks = np.lib.stride_tricks.as_strided(reduced, (m, 6, 6), (6 * (down + right), down, right))
+        image_blocks += normals.ee
         reduced[6 * m :, : 6 * m] += normals.ea.reshape(6 * m, -1).T
         reduced[6 * m :, 6 * m :] += normals.aa
         diagonal[: 6 * m] = np.einsum("mii->mi", normals.ee).ravel()

@@ -14,7 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cache, cached_property
 
 import numpy as np
 import scipy.linalg
@@ -156,7 +156,7 @@ class Factor:
         white = self.white.reshape(-1, len(self.scale))
         white_g = (self.root @ normals.gradient_p[:, :, None])[:, :, 0]
         reduced = normals.gradient_e - white_g.ravel() @ white
-        step_e = -self.scale * scipy.linalg.cho_solve((self.lower, True), self.scale * reduced, check_finite=False)
+        step_e = -self.scale * scipy.linalg.lapack.dpotrs(self.lower, self.scale * reduced, lower=1)[0]
         hanging = white_g + (white @ step_e).reshape(-1, 3)
         step_p = -(hanging[:, None, :] @ self.root)[:, 0]
         decrement = -float(normals.gradient_e @ step_e + np.sum(normals.gradient_p * step_p))
@@ -182,10 +182,8 @@ def factorise(normals: Normals, condition_least: float = CONDITION_LEAST) -> Fac
 
 def reciprocal_condition(lower: Floats, matrix: Floats) -> float:
     """1 / (|M| |M^-1|) from the Cholesky factor `lower` of M, |M| in the 1-norm."""
-    norm = float(np.abs(matrix).sum(axis=0).max())
-    return 1.0 / (
-        norm * inverse_norm(lambda b: scipy.linalg.cho_solve((lower, True), b, check_finite=False), len(lower))
-    )
+    norm = float(scipy.linalg.lapack.dlange("1", matrix))
+    return 1.0 / (norm * inverse_norm(lambda b: scipy.linalg.lapack.dpotrs(lower, b, lower=1)[0], len(lower)))
 
 
 def inverse_norm(solve: Callable[[Floats], Floats], size: int) -> float:
@@ -194,9 +192,14 @@ def inverse_norm(solve: Callable[[Floats], Floats], size: int) -> float:
     LAPACK's estimator starts from a vector of ones, which is orthogonal to the null vector of two equal columns,
     (1, -1): it sees nothing of the commonest defect of all.
     """
-    probes = solve(np.random.default_rng(0).standard_normal((size, PROBES)))
-    probes, _ = np.linalg.qr(probes)
-    return float(np.linalg.norm(solve(probes), axis=0).max())
+    probes = solve(_probes(size))
+    return float(np.linalg.norm(solve(probes / np.linalg.norm(probes, axis=0)), axis=0).max())
+
+
+@cache
+def _probes(size: int) -> Floats:
+    """(size, PROBES) random vectors, not to be written to."""
+    return np.asfortranarray(np.random.default_rng(0).standard_normal((size, PROBES)))
 
 
 def _root_of_point_blocks(pp: Floats, size: int) -> Floats:

@@ -110,7 +110,7 @@ class ImagePoints:
     def distortion(self, x: Floats) -> Distortion:
         """d and its derivatives at x, and the interior orientation to project with."""
         with np.errstate(invalid="ignore"):  # a term with a pole; the status names it
-            d = (self.basis @ self.ap_values(x)[self.image][:, :, None])[:, :, 0]
+            d = np.einsum("kij,kj->ki", self.basis, self.ap_values(x)[self.image])
         if not self.not_linear:
             return Distortion(d, self.basis, self.interior)
         terms, interior = self.basis.copy(), self.interior.copy()

@@ -17,6 +17,9 @@ from adjust.normals import Factor
 from adjust.unknowns import Unknowns
 from simfield.block import Floats, Indices
 
+TRIANGLE_LEAST = 32
+"""rows of a triangular matrix that is not halved any more"""
+
 
 @dataclass(frozen=True, eq=False)
 class Cofactors:
@@ -40,10 +43,7 @@ class Cofactors:
         if isinstance(self.factor, BandFactor):
             diagonal, blocks = band_cofactors(self.factor)
         else:
-            white, root = self.factor.white, self.factor.root
-            diagonal = np.diag(self.orientation)
-            spread = (white.reshape(-1, len(diagonal)) @ self.orientation).reshape(white.shape)
-            blocks = root.transpose(0, 2, 1) @ (np.eye(3) + spread @ white.transpose(0, 2, 1)) @ root
+            diagonal, blocks = _dense_cofactors(self.factor)
         fixed = self.unknowns.held
         blocks[fixed[:, :, None] | fixed[:, None, :]] = 0.0
         return diagonal, np.asarray(blocks)
@@ -76,3 +76,32 @@ class Cofactors:
         q[~self.unknowns.free[rows]] = 0.0
         q[:, ~self.unknowns.free[columns]] = 0.0
         return np.asarray(q)
+
+
+def _dense_cofactors(factor: Factor) -> tuple[Floats, Floats]:
+    """The diagonal of Q_ee (E) and the blocks (n, 3, 3) of Q_pp, by L^-1 alone: half the work of S^-1.
+
+    With S^-1 = D L^-T L^-1 D and X = L^-1 D white^T:  q_ii = d_i^2 |column i of L^-1|^2,  Q_pp = R^T (I + X^T X) R.
+    """
+    inverse = _inverse_of_lower(factor.lower)
+    diagonal = factor.scale**2 * np.einsum("ij,ij->j", inverse, inverse)
+    scaled = factor.white.reshape(-1, len(diagonal)) * factor.scale
+    spread = scipy.linalg.blas.dtrmm(1.0, inverse, scaled.T, lower=1, overwrite_b=1).T.reshape(factor.white.shape)
+    root = factor.root
+    crossed = np.einsum("nie,nje->nij", spread, spread)
+    return diagonal, root.transpose(0, 2, 1) @ (np.eye(3) + crossed) @ root
+
+
+def _inverse_of_lower(lower: Floats) -> Floats:
+    """The inverse of a lower triangular matrix, by halves: [A 0; B C]^-1 = [A^-1 0; -C^-1 B A^-1 C^-1].
+
+    Nearly all of it are products of matrices; LAPACK alone takes three times as long at a few hundred rows.
+    """
+    half = len(lower) // 2
+    if half < TRIANGLE_LEAST:
+        return np.asarray(scipy.linalg.lapack.dtrtri(lower, lower=1)[0])
+    inverse = np.zeros_like(lower, order="F")
+    inverse[:half, :half] = a = _inverse_of_lower(lower[:half, :half])
+    inverse[half:, half:] = c = _inverse_of_lower(lower[half:, half:])
+    inverse[half:, :half] = -c @ (lower[half:, :half] @ a)
+    return inverse

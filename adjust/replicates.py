@@ -16,13 +16,15 @@ from typing import Protocol
 import joblib
 import numpy as np
 import numpy.typing as npt
-from threadpoolctl import threadpool_limits
 
 from adjust.adjustment import Adjustment
 from adjust.ap_models.model import ApModel
-from adjust.chord import GAUSS_NEWTON, STATUSES, Chord, Trials, Workspace
+from adjust.chord import Chord
 from adjust.kernels import LANES
+from adjust.one_thread import one_thread
 from adjust.status import Status
+from adjust.trials import GAUSS_NEWTON, STATUSES, Trials
+from adjust.workspace import Workspace
 from simfield.block import Block, Floats
 
 TASK = 16 * LANES
@@ -30,7 +32,11 @@ TASK = 16 * LANES
 
 
 class ImagePointTrials(Protocol):
-    """Image coordinates of many trials: an array (t, k, 2), or an object that draws such slices on demand."""
+    """Image coordinates of many trials: an array (t, k, 2), or an object that draws such slices on demand.
+
+    An object that also has `only(rows)`, the same trials with these observations in this order, and `fill_lanes(trials,
+    lanes)` is asked to write trial number t of a slice into lane t % 8 of tile t // 8 of lanes (tiles, k, 2, 8).
+    """
 
     def __len__(self) -> int: ...
 
@@ -143,16 +149,21 @@ def adjust_replicates(
     """
     count = len(image_points)
     _check_shapes(block, image_points, coordinates)
-    with threadpool_limits(1):
+    with one_thread():
         chord = Chord.of(block, model, exact_std)
     tasks = [slice(first, min(first + TASK, count)) for first in range(0, count, TASK)]
-    if jobs == 1:
-        parts = [_solve(chord, image_points, coordinates, task) for task in tasks]
+    if jobs == 1 or len(tasks) <= 1:
+        trials = Trials.empty(count, len(chord.nominal.x), exact_std)
+        room = _workspace(chord, image_points)
+        for task in tasks:
+            _solve(chord, image_points, coordinates, task, room, trials.part(task))
     else:
-        parts = joblib.Parallel(n_jobs=jobs)(
-            joblib.delayed(_solve)(chord, *_portion(image_points, coordinates, task)) for task in tasks
+        trials = Trials.joined(
+            joblib.Parallel(n_jobs=jobs)(
+                joblib.delayed(_solved)(chord, *_portion(image_points, coordinates, task)) for task in tasks
+            )
         )
-    return Replicates(chord.nominal, Trials.joined(parts, len(chord.nominal.x)))
+    return Replicates(chord.nominal, trials)
 
 
 def _check_shapes(block: Block, image_points: ImagePointTrials, coordinates: Floats | None) -> None:
@@ -174,12 +185,28 @@ def _portion(
     return image_points, coordinates, task
 
 
-def _solve(chord: Chord, image_points: ImagePointTrials, coordinates: Floats | None, task: slice) -> Trials:
-    """Solve some trials in blocks of LANES."""
-    room = Workspace.of(chord)
-    with threadpool_limits(1):
-        parts = [
-            chord.solve(image_points, coordinates, slice(first, min(first + LANES, task.stop)), room)
-            for first in range(task.start, task.stop, LANES)
-        ]
-    return Trials.joined(parts, len(chord.nominal.x))
+def _solved(chord: Chord, image_points: ImagePointTrials, coordinates: Floats | None, task: slice) -> Trials:
+    """Some trials, in another process."""
+    trials = Trials.empty(task.stop - task.start, len(chord.nominal.x), chord.exact_std)
+    _solve(chord, image_points, coordinates, task, _workspace(chord, image_points), trials)
+    return trials
+
+
+def _workspace(chord: Chord, image_points: ImagePointTrials) -> Workspace:
+    return Workspace.of(chord.nominal, len(chord.free), image_points)
+
+
+def _solve(
+    chord: Chord,
+    image_points: ImagePointTrials,
+    coordinates: Floats | None,
+    task: slice,
+    room: Workspace,
+    trials: Trials,
+) -> None:
+    """Solve some trials in blocks of LANES, into `trials`."""
+    with one_thread():
+        for first in range(task.start, task.stop, LANES):
+            block = slice(first, min(first + LANES, task.stop))
+            into = trials.part(slice(block.start - task.start, block.stop - task.start))
+            chord.solve(image_points, coordinates, block, room, into)

@@ -7,9 +7,11 @@ UntraceableError, and callers fall back to its numpy basis.
 
 from __future__ import annotations
 
+import functools
 import hashlib
 import importlib.util
 import inspect
+import itertools
 import os
 import sys
 from collections.abc import Callable
@@ -20,7 +22,7 @@ from typing import Any
 
 import numpy as np
 
-from adjust import kernels
+from adjust import kernels, lanes_compiled
 from adjust.ap_models.model import ApModel
 
 UFUNCS = {
@@ -29,18 +31,18 @@ UFUNCS = {
     np.multiply: "{0} * {1}",
     np.true_divide: "{0} / {1}",
     np.negative: "-{0}",
-    np.sqrt: "math.sqrt({0})",
-    np.sin: "math.sin({0})",
-    np.cos: "math.cos({0})",
-    np.arctan2: "math.atan2({0}, {1})",
-    np.exp: "math.exp({0})",
-    np.abs: "abs({0})",
+    np.sqrt: "root({0})",
+    np.sin: "sine({0})",
+    np.cos: "cosine({0})",
+    np.arctan2: "direction({0}, {1})",
+    np.exp: "exponential({0})",
+    np.abs: "magnitude({0})",
     np.square: "{0} * {0}",
-    np.hypot: "math.sqrt({0} * {0} + {1} * {1})",
-    np.equal: "(1.0 if {0} == {1} else 0.0)",
-    np.not_equal: "(1.0 if {0} != {1} else 0.0)",
-    np.greater: "(1.0 if {0} > {1} else 0.0)",
-    np.less: "(1.0 if {0} < {1} else 0.0)",
+    np.hypot: "root({0} * {0} + {1} * {1})",
+    np.equal: "equal({0}, {1})",
+    np.not_equal: "not_equal({0}, {1})",
+    np.greater: "greater({0}, {1})",
+    np.less: "less({0}, {1})",
 }
 POWER_MOST = 16
 """whole powers up to this are written as products"""
@@ -104,7 +106,7 @@ class _Symbol(np.lib.mixins.NDArrayOperatorsMixin):
             return np.sqrt(base)
         if float(exponent).is_integer() and 1 <= exponent <= POWER_MOST:
             return self._whole_power(base, int(exponent))
-        return self.record.put(f"{base.name} ** {float(exponent)!r}")
+        return self.record.put(f"power({base.name}, {float(exponent)!r})")
 
     def _whole_power(self, base: Any, exponent: int) -> Any:
         if exponent == 1:
@@ -120,7 +122,7 @@ class _Symbol(np.lib.mixins.NDArrayOperatorsMixin):
             return 1.0
         if function is np.where and len(args) == 3:
             condition, yes, no = (self._operand(a) for a in args)
-            return self.record.put(f"({yes} if {condition} != 0.0 else {no})")
+            return self.record.put(f"choose({condition}, {yes}, {no})")
         raise UntraceableError(f"numpy.{function.__name__}")
 
     def __bool__(self) -> bool:
@@ -157,48 +159,62 @@ class Trace:
     def distortion(self) -> str:
         """The expression (dx, dy) of the distortion."""
         rows = enumerate(self.parts, start=kernels.PARAMETERS)
-        named = [(f"context[{row}, t]", part) for row, part in rows]
+        named = [(f"load(context, image, {row})", part) for row, part in rows]
         sums = (" + ".join(f"{a} * {part[axis]}" for a, part in named if part[axis]) or "0.0" for axis in range(2))
         return ", ".join(sums)
 
     @property
-    def pulls(self) -> list[str]:
-        """The lines that add B^T (fx, fy) to the sums."""
-        lines = []
-        for row, part in enumerate(self.parts, start=kernels.PULL):
+    def pulls(self) -> str:
+        """The tuple of the sums with B^T (fx, fy) added."""
+        added = []
+        for number, part in enumerate(self.parts):
             forces = [f"{name} * {force}" for name, force in zip(part, ("fx", "fy"), strict=True) if name]
-            if forces:
-                lines.append(f"sums[{row}, t] += {' + '.join(forces)}")
-        return lines
+            added.append(f"pulls[{number}] + ({' + '.join(forces)})" if forces else f"pulls[{number}]")
+        return _tuple(added)
+
+
+def _tuple(items: list[str]) -> str:
+    return f"({', '.join(items)}{',' if items else ''})"
 
 
 def compile_gradient(model: ApModel) -> Callable[..., Any]:
     """`adjust.kernels.gradient_block` with the terms of this model, compiled. Raises UntraceableError."""
-    trace = Trace.of(model)
-    source = _source(list(trace.lines), [f"return {trace.distortion}"], trace.pulls or ["pass"])
-    gradient: Callable[..., Any] = _load(source).gradient_block
+    gradient: Callable[..., Any] = _load(_source(Trace.of(model))).gradient_block
     return gradient
 
 
-def _source(lines: list[str], distortion: list[str], pulls: list[str]) -> str:
-    inline = '@numba.njit(error_model="numpy", fastmath={"contract"}, inline="always")'
-    compiled = '@numba.njit(cache=CACHE, error_model="numpy", fastmath={"contract", "nnan", "nsz"})'
+_source_of = functools.cache(inspect.getsource)
+
+
+def _source(trace: Trace) -> str:
+    inline = '@numba.njit(error_model="numpy", inline="always")'
+    keep = [f"store(sums, pulls[{row}], image, {kernels.PULL + row})" for row in range(len(trace.parts))]
+    bodies = {
+        "distort(x, y, context, image)": [*trace.lines, f"return {trace.distortion}"],
+        "no_pull(zero)": [f"return {_tuple(['zero'] * len(trace.parts))}"],
+        "pull(x, y, fx, fy, pulls)": [*trace.lines, f"return {trace.pulls}"],
+        "keep_pull(pulls, sums, image)": keep or ["pass"],
+    }
+    functions = [[inline, f"def {head}:", *(f"    {line}" for line in body)] for head, body in bodies.items()]
     return "\n".join(
         [
+            f"# {_digest(_source_of(lanes_compiled))}: code kept on disk is compiled anew when lanes change",
             "from typing import Any",
-            "import math",
             "import numba",
             "import numpy as np",
-            inline,
-            "def distort(x, y, context, t):",
-            *(f"    {line}" for line in [*lines, *distortion]),
-            inline,
-            "def pull(x, y, fx, fy, sums, t):",
-            *(f"    {line}" for line in [*lines, *pulls]),
-            compiled,
-            inspect.getsource(kernels.gradient_block),
+            "import adjust.lanes_compiled",
+            "from adjust.lanes import *",
+            *itertools.chain.from_iterable(functions),
+            '@numba.njit(error_model="numpy")',
+            _source_of(kernels.gradient_tile),
+            '@numba.njit(cache=CACHE, error_model="numpy")',
+            _source_of(kernels.gradient_block),
         ]
     )
+
+
+def _digest(text: str) -> str:
+    return hashlib.sha256(text.encode()).hexdigest()[:16]
 
 
 def _cache_folder() -> Path | None:
@@ -213,8 +229,7 @@ def _cache_folder() -> Path | None:
 
 
 def _load(source: str) -> ModuleType:
-    digest = hashlib.sha256(source.encode()).hexdigest()[:16]
-    name = f"_simfield_terms_{digest}"
+    name = f"_simfield_terms_{_digest(source)}"
     if name in sys.modules:
         return sys.modules[name]
     folder = _cache_folder()

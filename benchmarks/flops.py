@@ -7,8 +7,8 @@ from dataclasses import dataclass
 GEOMETRY = 75
 """an image point without its AP terms: difference 3, rotation 15, perspective 3, residuals 8, weights 2, force 6,
 turned back 15, sums of force 3 and torque 12, vPv 4, least depth 1, sums of the object point 3"""
-NOISE = 68
-"""a pair of normal numbers: logarithm 27, root 2, sine and cosine 33, scaling 6. Not counted: the integer arithmetic of
+NOISE = 56
+"""a pair of normal numbers: logarithm 21, root 2, sine and cosine 27, scaling 6. Not counted: the integer arithmetic of
 the counter-based generator, which is more than that"""
 
 

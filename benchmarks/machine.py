@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from threadpoolctl import threadpool_info
 
 PACKAGES = ("numpy", "scipy", "numba", "simfield", "pycolmap", "gtsam")
 
@@ -32,13 +33,13 @@ def installed(package: str) -> str | None:
 
 
 def description() -> dict[str, Any]:
-    blas = np.show_config(mode="dicts")["Build Dependencies"]["blas"]
+    blas = next(library for library in threadpool_info() if library["user_api"] == "blas")
     return {
         "cpu": cpu_model(),
         "cores": os.cpu_count(),
         "system": f"{platform.system()} {platform.machine()}",
         "python": platform.python_version(),
-        "blas": f"{blas['name']} {blas['version']}",
+        "blas": f"{blas['internal_api']} {blas['version']}, kernels {blas.get('architecture')}",
         "packages": {package: installed(package) for package in PACKAGES},
         "load_average": [round(v, 2) for v in os.getloadavg()] if hasattr(os, "getloadavg") else None,
     }

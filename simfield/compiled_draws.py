@@ -15,7 +15,9 @@ M0, M1 = np.uint64(MULTIPLIERS[0]), np.uint64(MULTIPLIERS[1])
 W0, W1 = np.uint64(WEYL[0]), np.uint64(WEYL[1])
 WORD, HALF = np.uint64(0xFFFFFFFF), np.uint64(32)
 MANTISSA, ONE = 0xFFFFFFFFFFFFF, 1023 << 52
-TURN = TWO_PI / 2.0**53
+TURN = TWO_PI / 2.0**32
+PERIOD = 16
+"""trials that 8 counters serve"""
 
 
 @numba.njit(cache=True, error_model="numpy", inline="always")
@@ -28,10 +30,8 @@ def _philox(c0, c1, c2, c3, k0, k1):  # type: ignore[no-untyped-def]
 
 
 @numba.njit(cache=True, error_model="numpy", inline="always")
-def _pair(w0, w1, w2, w3):  # type: ignore[no-untyped-def]
-    bits = np.float64(np.int64((w0 >> np.uint64(5) << np.uint64(26)) + (w1 >> np.uint64(6)) + np.uint64(1))).view(
-        np.int64
-    )
+def _box_muller(w0, w1):  # type: ignore[no-untyped-def]
+    bits = np.float64(np.int64(w0 + np.uint64(1))).view(np.int64)
     exponent = (bits >> 52) - 1023
     mantissa = np.int64((bits & MANTISSA) | ONE).view(np.float64)
     large = mantissa > 1.4142135623730951
@@ -39,21 +39,19 @@ def _pair(w0, w1, w2, w3):  # type: ignore[no-untyped-def]
     exponent = exponent + 1 if large else exponent
     s = (mantissa - 1.0) / (mantissa + 1.0)
     square = s * s
-    value = LOG_TERMS[10]
-    for i in range(9, -1, -1):
-        value = value * square + LOG_TERMS[i]
-    radius = np.sqrt(-2.0 * (np.float64(exponent - 53) * LN2 + s * value))
-    number = np.int64((w2 >> np.uint64(5) << np.uint64(26)) + (w3 >> np.uint64(6)))
-    quarter = (number + (1 << 50)) >> 51
-    angle = np.float64(number - (quarter << 51)) * TURN
-    square = angle * angle
-    sine = SINE_TERMS[7]
+    value = LOG_TERMS[7]
     for i in range(6, -1, -1):
+        value = value * square + LOG_TERMS[i]
+    radius = np.sqrt(-2.0 * (np.float64(exponent - 32) * LN2 + s * value))
+    number = np.int64(w1)
+    quarter = (number + (1 << 29)) >> 30
+    angle = np.float64(number - (quarter << 30)) * TURN
+    square = angle * angle
+    sine, cosine = SINE_TERMS[6], COSINE_TERMS[6]
+    for i in range(5, -1, -1):
         sine = sine * square + SINE_TERMS[i]
-    sine = angle * sine
-    cosine = COSINE_TERMS[8]
-    for i in range(7, -1, -1):
         cosine = cosine * square + COSINE_TERMS[i]
+    sine = angle * sine
     odd = (quarter & 1) == 1
     sine, cosine = (cosine if odd else sine), (sine if odd else cosine)
     sine = -sine if (quarter & 2) == 2 else sine
@@ -62,15 +60,29 @@ def _pair(w0, w1, w2, w3):  # type: ignore[no-untyped-def]
 
 
 @numba.njit(cache=True, error_model="numpy")
-def fill(out, base, sigma, first, second, trials, k0, k1):  # type: ignore[no-untyped-def]
-    """out (k, 2, lanes) = base (k, 2) + sigma (k, 2) times the pair of counter (first (k), second (k), trial, 0)."""
-    for row in range(out.shape[0]):
+def fill(out, base, sigma, first, second, start, k0, k1):  # type: ignore[no-untyped-def]
+    """out (tiles, k, 2, 8) = base (k, 2) + sigma (k, 2) times the pairs of the trials from `start` on.
+
+    first, second (k): words of the counter; start: a multiple of PERIOD; an even number of tiles. Each row is drawn in
+    one piece, which the compiler turns into vectors, and then laid out.
+    """
+    counters = 8 * (out.shape[0] // 2)
+    drawn = np.empty((4, counters))
+    low = np.uint64(start) >> np.uint64(1)
+    for row in range(out.shape[1]):
         r = np.uint64(row)
         bx, by, sx, sy = base[r, 0], base[r, 1], sigma[r, 0], sigma[r, 1]
         c0, c1 = first[r], second[r]
-        x, y = out[r, 0], out[r, 1]
-        for t in range(trials.size):
-            w0, w1, w2, w3 = _philox(c0, c1, trials[t], np.uint64(0), k0, k1)
-            nx, ny = _pair(w0, w1, w2, w3)
-            x[t] = bx + sx * nx
-            y[t] = by + sy * ny
+        for t in range(counters):
+            w0, w1, w2, w3 = _philox(c0, c1, low + np.uint64(t), np.uint64(0), k0, k1)
+            nx, ny = _box_muller(w0, w1)
+            drawn[0, t] = bx + sx * nx
+            drawn[1, t] = by + sy * ny
+            nx, ny = _box_muller(w2, w3)
+            drawn[2, t] = bx + sx * nx
+            drawn[3, t] = by + sy * ny
+        for tile in range(out.shape[0]):
+            half, begin = 2 * (tile % 2), tile // 2 * 8
+            for t in range(8):
+                out[tile, row, 0, t] = drawn[half, begin + t]
+                out[tile, row, 1, t] = drawn[half + 1, begin + t]

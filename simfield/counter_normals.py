@@ -1,9 +1,10 @@
 """Normal numbers by counter: number i of a stream is a function of the key and i alone, in any order, on any machine.
 
 Philox4x32-10 (Salmon et al. 2011, Parallel random numbers: as easy as 1, 2, 3) turns a counter of four 32-bit words
-into four random ones, Box & Muller (1958) turns these into two independent standard normal numbers. Logarithm, sine and
-cosine are polynomials written out here, so that no mathematical library can change a bit. `normal_pairs` is the
-readable form in numpy; `simfield.compiled_draws` has the same operations compiled, and gives the same bits.
+into four random ones, Box & Muller (1958) turns two of these into two independent standard normal numbers. They go to
+6.7 standard deviations, where one in 4e10 would lie beyond. Logarithm, sine and cosine are polynomials written out
+here, so that no mathematical library can change a bit. This is the readable form in numpy; `simfield.compiled_draws`
+has the same operations compiled, and gives the same bits.
 """
 
 from __future__ import annotations
@@ -20,21 +21,12 @@ WEYL = (0x9E3779B9, 0xBB67AE85)
 ROUNDS = 10
 WORD = 0xFFFFFFFF
 LN2 = 0.6931471805599453
-LOG_TERMS = tuple(2.0 / (2 * i + 1) for i in range(11))
-"""2 artanh(s) = s (2 + 2/3 s^2 + 2/5 s^4 + ...): with |s| <= 0.172 the next term is below 1e-18"""
-SINE_TERMS = (1.0, -1 / 6, 1 / 120, -1 / 5040, 1 / 362880, -1 / 39916800, 1 / 6227020800, -1 / 1307674368000)
-COSINE_TERMS = (
-    1.0,
-    -1 / 2,
-    1 / 24,
-    -1 / 720,
-    1 / 40320,
-    -1 / 3628800,
-    1 / 479001600,
-    -1 / 87178291200,
-    1 / 20922789888000,
-)
-"""Taylor series up to a^15 and a^16; for |a| <= pi/4 the next terms are below 1e-16"""
+LOG_TERMS = tuple(2.0 / (2 * i + 1) for i in range(8))
+"""2 artanh(s) = s (2 + 2/3 s^2 + 2/5 s^4 + ...): with |s| <= 0.172 the next term is below 2e-14"""
+SINE_TERMS = (1.0, -1 / 6, 1 / 120, -1 / 5040, 1 / 362880, -1 / 39916800, 1 / 6227020800)
+COSINE_TERMS = (1.0, -1 / 2, 1 / 24, -1 / 720, 1 / 40320, -1 / 3628800, 1 / 479001600)
+"""Taylor series up to a^13 and a^12; for |a| <= pi/4 the next terms are below 4e-13, the step of a 32-bit angle is 1e-9
+"""
 TWO_PI = 6.283185307179586
 
 Words = npt.NDArray[np.uint64]
@@ -61,7 +53,7 @@ def _polynomial(terms: tuple[float, ...], x: Floats) -> Floats:
 
 
 def _logarithm(whole: Words) -> Floats:
-    """log(whole / 2^53) for whole numbers in 1 .. 2^53."""
+    """log(whole / 2^32) for whole numbers in 1 .. 2^32."""
     bits = whole.astype(np.float64).view(np.int64)
     exponent = (bits >> 52) - 1023
     mantissa = ((bits & 0xFFFFFFFFFFFFF) | (1023 << 52)).view(np.float64)
@@ -69,14 +61,14 @@ def _logarithm(whole: Words) -> Floats:
     mantissa = np.where(large, 0.5 * mantissa, mantissa)
     exponent = exponent + large
     s = (mantissa - 1.0) / (mantissa + 1.0)
-    return np.asarray((exponent - 53).astype(np.float64) * LN2 + s * _polynomial(LOG_TERMS, s * s))
+    return np.asarray((exponent - 32).astype(np.float64) * LN2 + s * _polynomial(LOG_TERMS, s * s))
 
 
 def _sine_and_cosine(whole: Words) -> tuple[Floats, Floats]:
-    """Sine and cosine of whole / 2^53 of a full turn."""
+    """Sine and cosine of whole / 2^32 of a full turn."""
     number = whole.astype(np.int64)
-    quarter = (number + (1 << 50)) >> 51
-    angle = (number - (quarter << 51)).astype(np.float64) * (TWO_PI / 2.0**53)
+    quarter = (number + (1 << 29)) >> 30
+    angle = (number - (quarter << 30)).astype(np.float64) * (TWO_PI / 2.0**32)
     square = angle * angle
     sine, cosine = angle * _polynomial(SINE_TERMS, square), _polynomial(COSINE_TERMS, square)
     odd = (quarter & 1) == 1
@@ -84,10 +76,21 @@ def _sine_and_cosine(whole: Words) -> tuple[Floats, Floats]:
     return np.where((quarter & 2) == 2, -sine, sine), np.where(((quarter + 1) & 2) == 2, -cosine, cosine)
 
 
-def normal_pairs(key: tuple[int, int], counter: tuple[Any, Any, Any, Any]) -> Floats:
-    """(..., 2) standard normal numbers: a pair for every counter."""
-    w0, w1, w2, w3 = philox(counter, key)
-    low = np.uint64(26)
-    radius = np.sqrt(-2.0 * _logarithm(((w0 >> np.uint64(5)) << low) + (w1 >> np.uint64(6)) + np.uint64(1)))
-    sine, cosine = _sine_and_cosine(((w2 >> np.uint64(5)) << low) + (w3 >> np.uint64(6)))
+def _box_muller(w0: Words, w1: Words) -> Floats:
+    """(..., 2) normal numbers of two words."""
+    radius = np.sqrt(-2.0 * _logarithm(w0 + np.uint64(1)))
+    sine, cosine = _sine_and_cosine(w1)
     return np.stack([radius * cosine, radius * sine], axis=-1)
+
+
+def normal_pairs(key: tuple[int, int], first: Any, second: Any, trial: Any) -> Floats:
+    """(..., 2) standard normal numbers: a pair for the counter words first and second and the number of the trial.
+
+    All are arrays of one shape or numbers. A counter has two pairs; they go to two trials that are eight apart, so that
+    eight neighbouring trials are computed together.
+    """
+    trial = np.asarray(trial, dtype=np.uint64)
+    low = (trial >> np.uint64(4) << np.uint64(3)) | (trial & np.uint64(7))
+    w0, w1, w2, w3 = philox((first, second, low, 0), key)
+    later = (trial & np.uint64(8)) > 0
+    return _box_muller(np.where(later, w2, w0), np.where(later, w3, w1))

@@ -14,6 +14,9 @@ import numpy as np
 from simfield.block import Floats, Indices
 from simfield.counter_normals import Words, normal_pairs
 
+WIDTH = 8
+"""trials a tile of numbers drawn together"""
+
 
 @dataclass(frozen=True, eq=False)
 class ImageNoise:
@@ -26,7 +29,7 @@ class ImageNoise:
 
     def of(self, trial: int) -> Floats:
         """(k, 2) the errors of one trial, mm."""
-        return np.asarray(self.sigma[:, None] * normal_pairs(self.key, (self.place, self.image, trial, 0)))
+        return np.asarray(self.sigma[:, None] * normal_pairs(self.key, self.place, self.image, trial))
 
     def only(self, rows: Indices) -> ImageNoise:
         """Of these observations alone."""
@@ -59,22 +62,30 @@ class ImagePointDraws:
         first, last, step = trials.indices(len(self))
         if step != 1:
             raise ValueError(f"trials come one after the other, found a step of {step}")
-        drawn = np.empty((len(self.base), 2, max(last - first, 0)))
-        self.fill_lanes(slice(first, max(first, last)), np.arange(len(self.base)), drawn)
-        return np.ascontiguousarray(drawn.transpose(2, 0, 1))
+        count = max(last - first, 0)
+        drawn = np.empty((-(-count // WIDTH), len(self.base), 2, WIDTH))
+        self.fill_lanes(slice(first, first + count), drawn)
+        return np.ascontiguousarray(drawn.transpose(0, 3, 1, 2)).reshape(-1, len(self.base), 2)[:count]
 
-    def fill_lanes(self, trials: slice, order: Indices, lanes: Floats) -> None:
-        """Draw into lanes (k, 2, >= t), trials inmost, row r the observation order[r]."""
-        from simfield.compiled_draws import fill
+    def fill_lanes(self, trials: slice, lanes: Floats) -> None:
+        """Draw into lanes (tiles, k, 2, WIDTH).
 
-        numbers = np.arange(self.start + trials.start, self.start + trials.stop, dtype=np.uint64)
-        n, sigma = self.noise, np.column_stack([self.noise.sigma, self.noise.sigma])[order]
-        k0, k1 = (np.uint64(k) for k in n.key)
-        base = self.base[order] if self.moving is None else np.zeros((len(order), 2))
-        fill(lanes, base, sigma, n.place[order], n.image[order], numbers, k0, k1)
+        Trial number t of the slice comes into tile t // WIDTH, lane t % WIDTH; lanes beyond the slice are overwritten.
+        """
+        from simfield.compiled_draws import PERIOD, fill
+
+        n, sigma = self.noise, np.column_stack([self.noise.sigma, self.noise.sigma])
+        base = self.base if self.moving is None else np.zeros_like(self.base)
+        number = self.start + trials.start
+        early, tiles = number % PERIOD, len(lanes)
+        whole = lanes if not early and not tiles % 2 else np.empty((tiles + 2 + tiles % 2, *lanes.shape[1:]))
+        fill(whole, base, sigma, n.place, n.image, number - early, *(np.uint64(k) for k in n.key))
+        if whole is not lanes:
+            in_a_row = whole.transpose(0, 3, 1, 2).reshape(-1, *base.shape)[early : early + WIDTH * tiles]
+            lanes[:] = in_a_row.reshape(tiles, WIDTH, *base.shape).transpose(0, 2, 3, 1)
         if self.moving is not None:
-            for lane, trial in enumerate(numbers):
-                lanes[:, :, lane] += self.moving(int(trial))[order]
+            for t in range(trials.stop - trials.start):
+                lanes[t // WIDTH, :, :, t % WIDTH] += self.moving(number + t)
 
 
 @dataclass(frozen=True, eq=False)

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any, NoReturn
 
 import click
 
-from studies import cli_chain, cli_studies, installation
+from studies import cli_chain, cli_report, cli_studies, installation
 
 if TYPE_CHECKING:
     from adjust import Adjustment, ApModel
@@ -62,6 +62,7 @@ def main(ctx: click.Context) -> None:
 
 cli_studies.register(main)
 cli_chain.register(main)
+cli_report.register(main)
 
 
 @main.command()

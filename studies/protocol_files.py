@@ -16,6 +16,7 @@ from adjust.adjustment import correlations
 from adjust.reliability import Reliability
 from studies import protocol, protocol_text
 from studies.adjustment_page import orientation_names
+from studies.spreadsheet import as_text
 from studies.whole_files import make_folder, write_whole
 
 OBSERVATIONS = (
@@ -86,6 +87,6 @@ def _cell(value: float, digits: int) -> str:
 def _csv(header: Iterable[str], lines: Iterable[Iterable[str]]) -> str:
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(header)
-    writer.writerows(lines)
+    writer.writerow(map(as_text, header))
+    writer.writerows(map(as_text, line) for line in lines)
     return text.getvalue()

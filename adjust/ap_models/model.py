@@ -11,6 +11,7 @@ import dataclasses
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
+from functools import cache
 from numbers import Real
 from typing import Any, ClassVar
 
@@ -147,6 +148,7 @@ def _complaint(value: Any, setting: dataclasses.Field[Any]) -> str:
     return ""
 
 
+@cache
 def numbered(letter: str, count: int, start: int = 1) -> tuple[str, ...]:
     """Parameter names such as b1 .. b14."""
     return tuple(f"{letter}{i}" for i in range(start, start + count))

@@ -164,7 +164,7 @@ def _times(world: World) -> Floats:
 
 def _pairs(seed: int, name: str, count: int, trial: int) -> Floats:
     """(count, 2) standard normal numbers of a trial."""
-    return normal_pairs(counter_key(seed, name), (np.arange(count, dtype=np.uint64), 0, trial, 0))
+    return normal_pairs(counter_key(seed, name), np.arange(count, dtype=np.uint64), 0, trial)
 
 
 def _gross(xy: Floats, errors: Errors, world: World, trial: int) -> None:

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from adjust import Status, adjust_block, ap_models
-from adjust.chord import GAUSS_NEWTON
 from adjust.determinability import LEAST_SHARE, shares
 from adjust.observations import Observations
 from adjust.replicates import adjust_replicates
+from adjust.trials import GAUSS_NEWTON
 from adjust.unknowns import Unknowns
 from simfield.block import Floats
 from tests.adjust.close_range import LENS, NOMINAL, CloseRange, close_range

@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from types import SimpleNamespace
 from typing import ClassVar
 
 import numpy as np
 import pytest
 
-from adjust import ap_models
+from adjust import ap_models, kernels, lanes
 from adjust.ap_models import MODELS, ApModel, Certainty, properties
 from adjust.ap_models.model import Term
 from adjust.traced_terms import Trace, UntraceableError, compile_gradient
@@ -46,7 +44,7 @@ def scalar_basis(model: ApModel, x: Floats, y: Floats) -> Floats:
     code = compile("\n".join([*trace.lines, f"found = [{parts}]"]), "trace", "exec")
     rows = []
     for px, py in zip(x.tolist(), y.tolist(), strict=True):
-        names = {"x": px, "y": py, "math": math, "np": SimpleNamespace(float64=float)}
+        names = {**vars(lanes), "x": px, "y": py}
         exec(code, names)
         rows.append(np.array(names["found"], dtype=float).reshape(-1, 2).T)
     return np.array(rows)
@@ -63,7 +61,7 @@ def test_the_trace_is_the_basis(model: ApModel) -> None:
 
 @pytest.mark.parametrize("model", MODELS_TO_TRACE)
 def test_no_set_of_the_catalogue_needs_an_arc_tangent(model: ApModel) -> None:
-    assert not any("atan2" in line for line in Trace.of(model).lines)
+    assert not any("direction(" in line for line in Trace.of(model).lines)
 
 
 @dataclass(frozen=True)
@@ -95,7 +93,8 @@ def test_what_cannot_be_traced_is_refused() -> None:
 def test_the_compiled_gradient_is_that_of_the_basis(model: ApModel) -> None:
     """One image over points at random: the pull on the parameters is B^T P v, with v of projection and distortion."""
     rng = np.random.default_rng(5)
-    k, a, lanes = 40, len(model.parameters), 32
+    k, a = 40, len(model.parameters)
+    trials = np.ones((1, 1, 1, lanes.WIDTH))
     coordinates = np.column_stack([rng.uniform(-700.0, 700.0, (k, 2)), rng.uniform(0.0, 40.0, k)])
     station = np.array([3.0, -5.0, 1000.0])
     xy = rng.uniform(-100.0, 100.0, (k, 2))
@@ -107,14 +106,13 @@ def test_the_compiled_gradient_is_that_of_the_basis(model: ApModel) -> None:
     ray = coordinates - station
     v = principal - c * ray[:, :2] / ray[:, 2:] + basis @ values - xy
     weight = np.full((k, 2), 4.0)
-    context = np.concatenate([np.eye(3).ravel(), station, values])[None, :, None] * np.ones(lanes)
-    sums, gradient = np.zeros((1, 11 + a, lanes)), np.zeros((3 * k, lanes))
+    context = np.concatenate([np.eye(3).ravel(), station, values])[None, None, :, None] * trials
+    sums, gradient = np.zeros((1, 1, kernels.PULL + a, lanes.WIDTH)), np.zeros((1, 3 * k, lanes.WIDTH))
     compile_gradient(model)(
-        np.array([0], np.uint64), np.array([0, k], np.uint64), np.arange(k, dtype=np.uint64), weight,
-        np.array([[c, *principal]]), context, 0, np.ascontiguousarray(xy[:, :, None] * np.ones(lanes)),
-        coordinates.reshape(-1, 1) * np.ones(lanes), sums, gradient,
+        np.array([0], np.uint64), np.array([0, k], np.uint64), np.arange(k), weight, np.array([[c, *principal]]),
+        context, 0, xy[None, :, :, None] * trials, coordinates.reshape(1, -1, 1) * trials[0], sums, gradient,
     )  # fmt: skip
     wanted = np.einsum("kij,ki->j", basis, weight * v)
     largest = np.einsum("kij,ki->j", np.abs(basis), np.abs(weight * v))
-    assert np.abs((sums[0, 11:, 7] - wanted) / largest).max(initial=0.0) <= AGREEMENT
-    assert sums[0, 6, 7] == pytest.approx(np.sum(weight * v**2), rel=AGREEMENT)
+    assert np.abs((sums[0, 0, kernels.PULL :, 7] - wanted) / largest).max(initial=0.0) <= AGREEMENT
+    assert sums[0, 0, kernels.VPV, 7] == pytest.approx(np.sum(weight * v**2), rel=AGREEMENT)

@@ -34,12 +34,14 @@ def test_some_observations_alone(name):
     assert np.array_equal(draws.only(rows)[1:3], draws[1:3][:, rows])
 
 
-def test_lanes_are_the_transposed_slice():
-    draws = build_world(presets["grid-small"], 1).draws(0, 40)
-    order = np.random.default_rng(0).permutation(len(draws.base))
-    lanes = np.empty((len(order), 2, 32))
-    draws.fill_lanes(slice(4, 36), order, lanes)
-    assert np.array_equal(lanes, draws[4:36][:, order].transpose(1, 2, 0))
+@pytest.mark.parametrize("first", [0, 4, 16])
+@pytest.mark.parametrize("tiles", [3, 4])
+def test_lanes_are_the_slice_in_tiles(first, tiles):
+    draws = build_world(presets["grid-small"], 1).draws(0, 64)
+    lanes = np.empty((tiles, len(draws.base), 2, 8))
+    draws.fill_lanes(slice(first, first + 8 * tiles), lanes)
+    in_a_row = lanes.transpose(0, 3, 1, 2).reshape(-1, len(draws.base), 2)
+    assert np.array_equal(in_a_row, draws[first : first + 8 * tiles])
 
 
 def test_what_cannot_be_drawn():
