@@ -15,7 +15,7 @@ INSTALLED := $(VENV)/.installed
 PEERS := $(VENV)/.peers
 
 .DEFAULT_GOAL := help
-.PHONY: help install test test-slow check reproduce gallery bench
+.PHONY: help install test test-slow check docs docs-figures reproduce gallery bench
 
 help: ## show this list
 	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/make \1\t\2/p' $(MAKEFILE_LIST) | expand -t 16
@@ -35,11 +35,20 @@ test: $(INSTALLED) ## run the tests, under five minutes on two cores
 test-slow: $(INSTALLED) ## run the long tests, as CI does
 	$(BIN)/python -m pytest -n $(JOBS) -m slow $(PYTEST_ARGS)
 
-check: $(INSTALLED) ## ruff, formatting, types and the layers of the packages
+check: $(INSTALLED) ## ruff, formatting, types, layers of the packages, scientific-python review
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports
+	$(BIN)/repo-review . --show err
+
+# A page that is left over from an earlier build would hide a broken link.
+docs: $(INSTALLED) ## build the documentation into docs/_build/html, a warning is an error
+	rm -rf docs/_build
+	$(BIN)/sphinx-build -W --keep-going -q -b html docs docs/_build/html
+
+docs-figures: $(INSTALLED) ## draw the figures of the tutorial anew, by following it
+	$(BIN)/python -m tests.draw_tutorial docs/figures
 
 reproduce: $(INSTALLED) ## repeat the experiment of Mauelshagen 1980 into results/mauelshagen-1980
 	$(BIN)/simfield reproduce mauelshagen-1980

@@ -69,7 +69,7 @@ class Replicates:
 
     @property
     def iterations(self) -> npt.NDArray[np.int16]:
-        """(t)."""
+        """(t) the number of steps that each trial took."""
         return self.trials.iterations
 
     @property
@@ -79,7 +79,7 @@ class Replicates:
 
     @property
     def sigma0(self) -> Floats:
-        """(t)."""
+        """(t) sqrt(vPv / redundancy), free of unit."""
         return np.asarray(np.sqrt(self.trials.vpv / self.nominal.redundancy))
 
     @property
@@ -107,7 +107,10 @@ class Replicates:
         return np.asarray(reduced + self.nominal.layout.origin)
 
     def ap(self, set_id: str) -> Floats:
-        """(t, a) the additional parameters of a camera. Raises KeyError for an id that has none."""
+        """(t, a) the additional parameters of a camera, in the units of `ApEstimate`.
+
+        Raises KeyError for an id that has none.
+        """
         for s in self.nominal.layout.sets:
             if s.id == set_id:
                 return self.trials.x[:, s.columns]
@@ -115,7 +118,7 @@ class Replicates:
 
     @property
     def std(self) -> Floats:
-        """(t, size) formal standard deviations: each trial's sigma0 times the root of the cofactors.
+        """(t, size) formal standard deviations: each trial's sigma0 times the root of the cofactors, in the units of x.
 
         The cofactors are those of each trial where `exact_std` was asked for, else the nominal ones for all, which is
         good to about 2e-4.

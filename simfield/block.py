@@ -112,7 +112,8 @@ class ImageObservations:
 class Block:
     """A photogrammetric block, validated when it is made and read-only afterwards.
 
-    Raises BlockError with table, row and column at the first defect.
+    Tables of cameras, images (m), points (n) and image observations (k); they refer to each other by index. `rays` (n)
+    counts. Raises BlockError with table, row and column at the first defect.
     """
 
     cameras: tuple[Camera, ...]
@@ -137,6 +138,7 @@ class Block:
 
     @property
     def camera_ids(self) -> tuple[str, ...]:
+        """The ids of the cameras, in the order of `cameras`."""
         return tuple(c.camera_id for c in self.cameras)
 
     @property
@@ -145,7 +147,9 @@ class Block:
         return self.images.camera[self.observations.image]
 
     def replace_image_points(self, xy: Floats) -> Block:
-        """The same block with other image coordinates xy (k, 2), mm."""
+        """The same block with other image coordinates xy (k, 2), mm. Raises BlockError for another shape, or values
+        that are not finite.
+        """
         o = self.observations
         return replace(self, observations=ImageObservations(o.image, o.point, xy, o.sigma))
 

@@ -32,7 +32,12 @@ def draw(figure):
     drawings.running_coverage(right, wrong, CONFIDENCE)
 
 
-picture(180, 95, "Intervals of single trials, and the share of those with the truth inside.", draw)
+picture(
+    180,
+    95,
+    "Intervals of single trials, and the share of those with the truth inside.",
+    draw,
+)
 
 # %% [markdown]
 # **To do.** How many trials does it take to tell 93 % from 95 % with some certainty?

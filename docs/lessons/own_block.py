@@ -37,7 +37,12 @@ def draw(figure):
     drawings.expected_bars(right, e)
 
 
-picture(190, 88, "Expected standard deviations of heights over the area, and beside the rules of thumb.", draw)
+picture(
+    190,
+    88,
+    "Expected standard deviations of heights over the area, and beside the rules of thumb.",
+    draw,
+)
 
 # %% [markdown]
 # **To do.** A client asks for 60 mm in height everywhere. Which is cheaper, more images or more control?

@@ -29,12 +29,24 @@ for f in flights:
 
 def draw(figure):
     left, right = figure.subplots(1, 2)
-    drawings.standard_errors(left, flights, flights[-1], "std_z_mm", "standard error of Z, mm")
-    drawings.standard_errors(right, flights, flights[-1], "std_radial_um", "standard error of radial distortion, µm")
-    figure.legend(*left.get_legend_handles_labels(), loc="outside lower center", ncols=4)
+    drawings.standard_errors(
+        left, flights, flights[-1], "std_z_mm", "standard error of Z, mm"
+    )
+    drawings.standard_errors(
+        right,
+        flights,
+        flights[-1],
+        "std_radial_um",
+        "standard error of radial distortion, µm",
+    )
+    figure.legend(
+        *left.get_legend_handles_labels(), loc="outside lower center", ncols=4
+    )
 
 
-picture(180, 82, "Standard errors over the redundancy, for 1, 2 and 4 headings.", draw)
+picture(
+    180, 82, "Standard errors over the redundancy, for 1, 2 and 4 headings.", draw
+)
 
 # %% [markdown]
 # The same arithmetic gives every row of Table 1 of Mauelshagen (1980).
@@ -42,7 +54,10 @@ picture(180, 82, "Standard errors over the redundancy, for 1, 2 and 4 headings."
 # %%
 for row in redundancy.table1():
     c = row.counts
-    print(f"{row.model:10}{row.cameras:8} u {c.unknowns:4} ({row.printed_unknowns:4})   r {c.redundancy:5}", end="")
+    print(
+        f"{row.model:10}{row.cameras:8} u {c.unknowns:4} ({row.printed_unknowns:4})   r {c.redundancy:5}",
+        end="",
+    )
     print(f" ({row.printed_redundancy:5})")
 
 # %% [markdown]
