@@ -34,7 +34,7 @@ def check_shape(table: str, name: str, array: npt.NDArray[Any], shape: tuple[int
         raise BlockError(table, f"{name} has shape {array.shape}, needed is {shape}")
 
 
-def check_ids(table: str, ids: Sequence[str], column: str) -> None:
+def check_ids(table: str, ids: Sequence[object], column: str) -> None:
     if not ids:
         raise BlockError(table, "is empty")
     seen: dict[str, int] = {}

@@ -1,4 +1,4 @@
-"""The same study under other circumstances: processes, sizes of blocks, BLAS threads, locale, terminal, missing parts."""
+"""The same study under other circumstances: processes, block sizes, BLAS threads, locale, terminal, missing parts."""
 
 from __future__ import annotations
 
