@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 import pandas as pd
 
 from adjust import ApModel
+from adjust.one_thread import one_thread
 from adjust.reliability import ALPHA, familywise
 from simfield.block import Block
 from studies.canvas import BLACK, BLUE, GREY, VERMILION, house_style, new_figure, save
@@ -66,7 +67,7 @@ def find(block: Block, model: ApModel, trials: int, contests: int, seed: int) ->
     """
     levels = (ALPHA, familywise(TOGETHER, 2 * len(block.observations)))
     one, many = [], []
-    with progress_bar(len(levels) * len(SIZES) + len(SHARES), "tables") as bar:
+    with one_thread(), progress_bar(len(levels) * len(SIZES) + len(SHARES), "tables") as bar:
         for level in levels:
             for size in SIZES:
                 one.append(detection(block, model, trials, seed, (size,), level))
