@@ -145,12 +145,12 @@ def adjust_replicates(
     ValueError when the block itself cannot be adjusted or shapes do not fit.
     """
     _check_shapes(block, image_points, coordinates)
-    return adjust_prepared(prepared(block, model, exact_std=exact_std), image_points, coordinates=coordinates, jobs=jobs)
+    return adjust_prepared(
+        prepared(block, model, exact_std=exact_std), image_points, coordinates=coordinates, jobs=jobs
+    )
 
 
-def prepared(
-    block: Block, model: ApModel | Mapping[str, ApModel] | None, *, exact_std: bool = False
-) -> Chord:
+def prepared(block: Block, model: ApModel | Mapping[str, ApModel] | None, *, exact_std: bool = False) -> Chord:
     """What all trials of a geometry share, for several calls of `adjust_prepared`: the adjustment of the block itself
     and its cofactors. Raises ValueError when the block cannot be adjusted.
     """

@@ -111,7 +111,9 @@ def studied(plan: Plan, folder: Path) -> dict[str, Callable[[], object]]:
 
 
 def report(results: dict[str, Any]) -> str:
-    lines = [f"{results['methods']} methods, {results['trials']} trials; median seconds of the clock (of the processor)"]
+    lines = [
+        f"{results['methods']} methods, {results['trials']} trials; median seconds of the clock (of the processor)"
+    ]
     for part, values in results["seconds"].items():
         lines.append(f"  {part:20} {np.median(values):7.3f}  ({np.median(results['cpu_seconds'][part]):.3f})")
     lines.append(

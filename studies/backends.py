@@ -7,6 +7,7 @@ or did not end is taken to `isolation`, which finds the trial that did it; every
 from __future__ import annotations
 
 import contextlib
+import logging
 import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
@@ -96,10 +97,18 @@ def dask_cluster(
     except ImportError:
         raise BackendError("--backend dask needs the extra `cluster`: pip install 'simfield[cluster]'") from None
     client_of: Any = distributed.Client
-    try:
-        client: Any = client_of(scheduler, timeout=10, set_as_default=False)
-    except (OSError, TimeoutError, ValueError) as error:
-        raise BackendError(f"no dask scheduler at {scheduler}: {str(error).splitlines()[0]}") from None
+    with _without_its_log():
+        try:
+            client: Any = client_of(scheduler, timeout=10, set_as_default=False)
+        except (OSError, TimeoutError, ValueError) as error:
+            raise BackendError(f"no dask scheduler at {scheduler}: {str(error).splitlines()[0]}") from None
+        yield from _answers(client, tasks, work, scheduler, trial_limit_s)
+
+
+def _answers(
+    client: Any, tasks: Sequence[BlockTask], work: Work, scheduler: str, trial_limit_s: float
+) -> Iterator[int | Broken]:
+    """What a connected cluster gives; the client is closed at the end."""
     try:
         waiting = client.map(work, tasks, pure=False, retries=1, batch_size=None)
         by_key = dict(zip((f.key for f in waiting), tasks, strict=True))
@@ -125,6 +134,20 @@ def dask_cluster(
     finally:
         with contextlib.suppress(Exception):
             client.close(timeout=5)
+
+
+@contextlib.contextmanager
+def _without_its_log() -> Iterator[None]:
+    """What dask logs on a lost connection are tracebacks; we say it in a line."""
+    loggers = [logging.getLogger(name) for name in ("distributed", "distributed.client", "tornado", "asyncio")]
+    before = [logger.level for logger in loggers]
+    for logger in loggers:
+        logger.setLevel(logging.CRITICAL + 1)
+    try:
+        yield
+    finally:
+        for logger, level in zip(loggers, before, strict=True):
+            logger.setLevel(level)
 
 
 def _outcome(future: Any, task: BlockTask) -> int | Broken:

@@ -60,7 +60,7 @@ _one = threading.Lock()
 
 
 def geometry_of(condition: Condition) -> Geometry:
-    """The geometry of a condition, ready from before if it was the last one asked for. Raises what `build_world` does."""
+    """The geometry of a condition, ready if it was the last one asked for. Raises what `build_world` does."""
     with _one:
         if condition.id not in _last:
             _last.clear()

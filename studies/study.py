@@ -211,8 +211,8 @@ def _further_faults(table: Mapping[str, Any], details: Sequence[ErrorDetails]) -
     repaired = json.loads(json.dumps(table))
     for detail in details:
         _take_out(repaired, detail["loc"])
-    for name, stand_in in (("study", {}), ("scenario", {}), ("methods", {})):
-        repaired.setdefault(name, stand_in)
+    for name in ("study", "scenario", "methods"):
+        repaired.setdefault(name, {})
     heading = repaired["study"]
     for name, value in (("name", "x"), ("question", "x"), ("seed", 0)):
         heading.setdefault(name, value)

@@ -1,4 +1,4 @@
-"""The same study under other circumstances: processes, sizes of blocks, BLAS threads, locale, terminal, missing parts."""
+"""The same study under other circumstances: processes, sizes of blocks, BLAS threads, locale, terminal, no extras."""
 
 from __future__ import annotations
 
