@@ -13,11 +13,11 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from studies.block_task import BlockTask
+from studies.block_task import BlockTask, Done
 from studies.worker import prepare
 
-Work = Callable[[BlockTask], int]
-"""computes a block, writes its shard, and returns the number of its trials"""
+Work = Callable[[BlockTask], Done]
+"""computes a block and writes its shard"""
 
 LOST_SCHEDULER_S = 20.0
 LOOK_EVERY_S = 0.1
@@ -40,7 +40,7 @@ def task_limit_s(task: BlockTask, trial_limit_s: float) -> float:
     return trial_limit_s * (2.0 + len(task) * len(task.methods) / 1000.0)
 
 
-def here(tasks: Sequence[BlockTask], work: Work) -> Iterator[int | Broken]:
+def here(tasks: Sequence[BlockTask], work: Work) -> Iterator[Done | Broken]:
     """One after the other in this process: for tests and small studies; nothing watches over it."""
     for task in tasks:
         yield work(task)
@@ -48,7 +48,7 @@ def here(tasks: Sequence[BlockTask], work: Work) -> Iterator[int | Broken]:
 
 def joblib_processes(
     tasks: Sequence[BlockTask], work: Work, jobs: int, trial_limit_s: float, done: Callable[[BlockTask], bool]
-) -> Iterator[int | Broken]:
+) -> Iterator[Done | Broken]:
     """In processes of this machine; after a break the pool is started anew without the blocks under suspicion."""
     from concurrent.futures.process import BrokenProcessPool
 
@@ -90,7 +90,7 @@ def _kill_pool() -> None:
 
 def dask_cluster(
     tasks: Sequence[BlockTask], work: Work, scheduler: str, trial_limit_s: float
-) -> Iterator[int | Broken]:
+) -> Iterator[Done | Broken]:
     """On a running dask cluster. Raises BackendError if there is none or its scheduler is lost."""
     try:
         import distributed
@@ -107,7 +107,7 @@ def dask_cluster(
 
 def _answers(
     client: Any, tasks: Sequence[BlockTask], work: Work, scheduler: str, trial_limit_s: float
-) -> Iterator[int | Broken]:
+) -> Iterator[Done | Broken]:
     """What a connected cluster gives; the client is closed at the end."""
     try:
         waiting = client.map(work, tasks, pure=False, retries=1, batch_size=None)
@@ -150,11 +150,13 @@ def _without_its_log() -> Iterator[None]:
             logger.setLevel(level)
 
 
-def _outcome(future: Any, task: BlockTask) -> int | Broken:
+def _outcome(future: Any, task: BlockTask) -> Done | Broken:
     from distributed.scheduler import KilledWorker
 
     if future.status == "finished":
-        return len(task)  # the shard is on the disk; to fetch a result from a worker that has died would take for ever
+        return Done.of(
+            task
+        )  # the shard is on the disk; to fetch a result from a worker that has died would take for ever
     try:
         error = future.exception(timeout=LOST_SCHEDULER_S)
     except TimeoutError:
