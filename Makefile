@@ -15,7 +15,7 @@ INSTALLED := $(VENV)/.installed
 PEERS := $(VENV)/.peers
 
 .DEFAULT_GOAL := help
-.PHONY: help install test test-slow check docs docs-figures reproduce gallery bench
+.PHONY: help install test test-slow test-lowest check docs docs-figures reproduce gallery bench bench-studies
 
 help: ## show this list
 	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/make \1\t\2/p' $(MAKEFILE_LIST) | expand -t 16
@@ -34,6 +34,20 @@ test: $(INSTALLED) ## run the tests, under five minutes on two cores
 
 test-slow: $(INSTALLED) ## run the long tests, as CI does
 	$(BIN)/python -m pytest -n $(JOBS) -m slow $(PYTEST_ARGS)
+
+# Every dependency in the lowest version that pyproject.toml allows, in an environment of its own.
+LOWEST := .venv-lowest
+$(LOWEST)/.installed: pyproject.toml
+	$(PYTHON) -m venv $(LOWEST)
+	$(PYTHON) -c 'import tomllib; p = tomllib.load(open("pyproject.toml", "rb"))["project"]; \
+	  print(*(d.replace(">=", "==") for d in p["dependencies"] + p["optional-dependencies"]["cluster"]), sep="\n")' \
+	  > $(LOWEST)/constraints.txt
+	$(LOWEST)/bin/python -m pip install --quiet --disable-pip-version-check --editable '.[test,cluster]' \
+	  --constraint $(LOWEST)/constraints.txt
+	@touch $@
+
+test-lowest: $(LOWEST)/.installed ## run the tests with the lowest versions that pyproject.toml allows
+	NUMBA_CACHE_DIR=$(CURDIR)/$(LOWEST)/compiled $(LOWEST)/bin/python -m pytest -n $(JOBS) -m 'not slow' $(PYTEST_ARGS)
 
 check: $(INSTALLED) ## ruff, formatting, types, layers of the packages, scientific-python review
 	$(BIN)/ruff check .
@@ -64,3 +78,8 @@ $(PEERS): $(INSTALLED)
 
 bench: $(PEERS) ## this engine beside scipy, GTSAM and Ceres; writes benchmarks/latest.json
 	$(NATIVE_BLAS) $(BIN)/python -m benchmarks.bench $(BENCH_ARGS)
+
+bench-studies: $(INSTALLED) ## what a study costs on top of its adjustments, and dask on top of joblib
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[cluster]'
+	$(BIN)/python -m benchmarks.studies --output benchmarks/latest_studies.json
+	$(BIN)/python -m benchmarks.cluster --output benchmarks/latest_cluster.json

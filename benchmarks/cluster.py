@@ -77,7 +77,7 @@ def timed(plan: Plan, how: run.How) -> float:
         store = run.opened(Path(name), plan)
         run.become_main()
         begin = time.perf_counter()
-        run.compute_missing(plan, store, how, lambda line: None, lambda done, of: None)
+        run.compute_missing(plan, store, how, lambda line: None, lambda *done: None)
         return time.perf_counter() - begin
 
 

@@ -97,7 +97,7 @@ def studied(plan: Plan, folder: Path) -> dict[str, Callable[[], object]]:
     def trials() -> None:
         forget()  # as in a new process
         found["store"] = run.opened(folder, plan)
-        run.compute_missing(plan, found["store"], run.How(backend="here"), lambda line: None, lambda done, of: None)
+        run.compute_missing(plan, found["store"], run.How(backend="here"), lambda line: None, lambda *done: None)
 
     def summarise() -> None:
         found["summary"] = summary.summarise(plan, found["store"])

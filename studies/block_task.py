@@ -50,8 +50,20 @@ class BlockTask:
         return self.condition.id, self.block
 
 
-def run_task(store: Store, draw: Draw, task: BlockTask) -> int:
-    """Compute a block and write its shard; the number of its trials. Raises OSError where it cannot be written."""
+@dataclass(frozen=True)
+class Done:
+    """A block of so many trials of this condition is computed."""
+
+    condition_id: str
+    trials: int
+
+    @classmethod
+    def of(cls, task: BlockTask) -> Done:
+        return cls(task.condition.id, len(task))
+
+
+def run_task(store: Store, draw: Draw, task: BlockTask) -> Done:
+    """Compute a block and write its shard. Raises OSError where it cannot be written."""
     from studies.worker import prepare
 
     prepare()
@@ -61,7 +73,7 @@ def run_task(store: Store, draw: Draw, task: BlockTask) -> int:
         if reasons:
             store.mark_reasons(task.condition.id, reasons)
     store.write_shard(task.condition.id, task.block, columns)
-    return len(task)
+    return Done.of(task)
 
 
 def compute(task: BlockTask, draw: Draw = image_points) -> tuple[Columns, Columns, dict[str, str]]:

@@ -129,10 +129,11 @@ def _run(asked: Study, folder: Path, options: dict[str, Any], trial_limit: float
     how = How(**{k: v for k, v in options.items() if v is not None}, jobs=jobs, trial_limit_s=trial_limit)
     bars: list[Any] = []
 
-    def count(done: int, of: int) -> None:
+    def count(done: int, of: int, open_conditions: int) -> None:
         if not bars:
             bars.append(progress_bar(of, " trials"))
         bars[0].total = of
+        bars[0].set_postfix_str(f"{open_conditions} conditions left", refresh=False)
         bars[0].update(done - bars[0].n)
 
     try:

@@ -8,7 +8,10 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner, Result
 
+from studies.backends import BackendError
+from studies.block_task import Done
 from studies.cli import main
+from studies.progress import progress_bar
 from studies.store import locked
 from tests.studies.small_study import TEXT, run_here
 
@@ -84,3 +87,26 @@ def test_no_scheduler_is_1(ran: Path, tmp_path: Path) -> None:
 )
 def test_a_wrong_call_is_2(arguments: tuple[str, ...]) -> None:
     assert call(*arguments).exit_code == 2
+
+
+def test_blocks_that_were_computed_and_are_not_there_are_missed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As when a worker of a cluster writes into a folder of its own."""
+    monkeypatch.setattr("studies.run.run_task", lambda store, draw, task: Done.of(task))
+    with pytest.raises(BackendError, match=r"6 of 6 blocks were computed and are not in .*; do all workers see it"):
+        run_here(tmp_path)
+
+
+def test_without_a_terminal_progress_is_lines_and_seldom(capsys: pytest.CaptureFixture[str]) -> None:
+    with progress_bar(10, " trials") as bar:
+        bar.update(1)
+    assert capsys.readouterr().err == ""
+    with progress_bar(10, " trials") as bar:
+        bar.delay = 0.0
+        bar.update(5)
+        bar.refresh()
+    said = capsys.readouterr().err
+    assert said.endswith("\n")
+    assert "\r" not in said
+    assert "50%" in said
