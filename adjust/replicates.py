@@ -167,6 +167,8 @@ def adjust_replicates(
 
 
 def _check_shapes(block: Block, image_points: ImagePointTrials, coordinates: Floats | None) -> None:
+    if block.further:
+        raise ValueError("trials know image points and control only; leave the others out: block.without()")
     k, n = len(block.observations), len(block.points)
     shape = np.shape(image_points[0:1])
     if len(shape) != 3 or shape[1:] != (k, 2):

@@ -13,6 +13,7 @@ import numpy as np
 
 from adjust import Adjustment
 from adjust.adjustment import correlations
+from adjust.one_thread import one_thread
 from adjust.reliability import Reliability
 from studies import protocol, protocol_text
 from studies.adjustment_page import orientation_names
@@ -40,13 +41,15 @@ alone
 def write(a: Adjustment, folder: Path) -> list[Path]:
     """Write the protocol of a successful adjustment; returns the files. Raises OSError."""
     findings = protocol.Findings(a)
-    record = protocol.record(a, findings)
-    contents = {
-        "protocol.txt": protocol_text.page(record),
-        "protocol.json": json.dumps(record, indent=1, allow_nan=False, ensure_ascii=False) + "\n",
-        "observations.csv": observations_csv(a, findings.reliability),
-        "correlations.csv": correlations_csv(a),
-    }
+    # many small products: further threads only wait for each other
+    with one_thread():
+        record = protocol.record(a, findings)
+        contents = {
+            "protocol.txt": protocol_text.page(record),
+            "protocol.json": json.dumps(record, indent=1, allow_nan=False, ensure_ascii=False) + "\n",
+            "observations.csv": observations_csv(a, findings.reliability),
+            "correlations.csv": correlations_csv(a),
+        }
     make_folder(folder)
     for name, text in contents.items():
         write_whole(folder / name, text.encode("utf-8"))
