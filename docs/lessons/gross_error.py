@@ -12,15 +12,9 @@ from studies.lessons.picture import picture
 for place in gross_error.RAYS:
     for axis in gross_error.AXES:
         p = gross_error.planted(place, axis, size_um=40.0)
-        print(
-            f"{place}, {axis}: r {p.redundancy:.3f}, minimal detectable {p.mdb_um:.0f} um, |w| {abs(p.w[p.row]):.1f}"
-        )
-        print(
-            f"    {'found' if p.found else 'not found'}; accused: {'; '.join(p.accused_names) or 'nobody'}"
-        )
-        print(
-            f"    moves its point by {p.shift_mm.round()} mm, standard deviations {p.std_mm.round()} mm"
-        )
+        print(f"{place}, {axis}: r {p.redundancy:.3f}, minimal detectable {p.mdb_um:.0f} um, |w| {abs(p.w[p.row]):.1f}")
+        print(f"    {'found' if p.found else 'not found'}; accused: {'; '.join(p.accused_names) or 'nobody'}")
+        print(f"    moves its point by {p.shift_mm.round()} mm, standard deviations {p.std_mm.round()} mm")
 
 # %% [markdown]
 # Along the flight a point seen in two images is checked by nothing: the error becomes height. In three images it is

@@ -29,9 +29,7 @@ for f in flights:
 
 def draw(figure):
     left, right = figure.subplots(1, 2)
-    drawings.standard_errors(
-        left, flights, flights[-1], "std_z_mm", "standard error of Z, mm"
-    )
+    drawings.standard_errors(left, flights, flights[-1], "std_z_mm", "standard error of Z, mm")
     drawings.standard_errors(
         right,
         flights,
@@ -39,14 +37,10 @@ def draw(figure):
         "std_radial_um",
         "standard error of radial distortion, µm",
     )
-    figure.legend(
-        *left.get_legend_handles_labels(), loc="outside lower center", ncols=4
-    )
+    figure.legend(*left.get_legend_handles_labels(), loc="outside lower center", ncols=4)
 
 
-picture(
-    180, 82, "Standard errors over the redundancy, for 1, 2 and 4 headings.", draw
-)
+picture(180, 82, "Standard errors over the redundancy, for 1, 2 and 4 headings.", draw)
 
 # %% [markdown]
 # The same arithmetic gives every row of Table 1 of Mauelshagen (1980).

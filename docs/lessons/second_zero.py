@@ -44,15 +44,9 @@ picture(
 
 # %%
 inside = second_zero.RADII_MM > 10.0
-difference = (without.radial_um - here.radial_um)[inside] / second_zero.RADII_MM[
-    inside
-]
-print(
-    f"difference over radius: {difference.min():.4f} to {difference.max():.4f} um/mm"
-)
-print(
-    f"largest shift of an adjusted point: {second_zero.largest_shift_mm(without, here):.1f} mm"
-)
+difference = (without.radial_um - here.radial_um)[inside] / second_zero.RADII_MM[inside]
+print(f"difference over radius: {difference.min():.4f} to {difference.max():.4f} um/mm")
+print(f"largest shift of an adjusted point: {second_zero.largest_shift_mm(without, here):.1f} mm")
 
 # %% [markdown]
 # **To do.** Take the super-wide-angle camera (`"sww"`), or the auxiliary points. At which $r_0$ does the correlation

@@ -12,9 +12,7 @@ from studies.lessons.picture import picture
 for headings in which_model.HEADINGS_GON:
     for truth in which_model.TRUTHS:
         print(f"\n{truth}, headings flown: {headings}")
-        for f in which_model.compared(
-            truth, which_model.SIZE_UM, headings
-        ).fitted.values():
+        for f in which_model.compared(truth, which_model.SIZE_UM, headings).fitted.values():
             print(
                 f"  {f.model:10} m0 {f.m0_um:.2f} um   X, Y {f.rms_xy_mm:4.0f} mm (claimed {f.claimed_xy_mm:3.0f})"
                 f"   Z {f.rms_z_mm:4.0f} mm (claimed {f.claimed_z_mm:3.0f})"
@@ -32,9 +30,7 @@ chosen = found.fitted["ebner12"]
 def draw(figure):
     axes = figure.subplots(1, 3, width_ratios=(1, 1, 1.05))
     drawings.distortion_field(axes[0], found.true, "true distortion", 10.0)
-    drawings.distortion_field(
-        axes[1], chosen.residuals, f"in the residuals of {chosen.model}", 3.0
-    )
+    drawings.distortion_field(axes[1], chosen.residuals, f"in the residuals of {chosen.model}", 3.0)
     drawings.sets_compared(axes[2], found, chosen.model)
 
 
