@@ -15,7 +15,7 @@ INSTALLED := $(VENV)/.installed
 PEERS := $(VENV)/.peers
 
 .DEFAULT_GOAL := help
-.PHONY: help install test test-slow check reproduce bench
+.PHONY: help install test test-slow check reproduce bench bench-chain
 
 help: ## show this list
 	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/make \1\t\2/p' $(MAKEFILE_LIST) | expand -t 16
@@ -51,3 +51,6 @@ $(PEERS): $(INSTALLED)
 
 bench: $(PEERS) ## this engine beside scipy, GTSAM and Ceres; writes benchmarks/latest.json
 	$(NATIVE_BLAS) $(BIN)/python -m benchmarks.bench $(BENCH_ARGS)
+
+bench-chain: $(INSTALLED) ## what the measurement chain costs beside the adjustment; writes benchmarks/chain.json
+	$(NATIVE_BLAS) $(BIN)/python -m benchmarks.chain $(BENCH_ARGS)
