@@ -15,7 +15,7 @@ INSTALLED := $(VENV)/.installed
 PEERS := $(VENV)/.peers
 
 .DEFAULT_GOAL := help
-.PHONY: help install test test-slow test-lowest check docs docs-figures reproduce gallery bench bench-studies
+.PHONY: help install test test-slow test-lowest check docs docs-figures reproduce gallery bench bench-studies bench-chain bench-quality
 
 help: ## show this list
 	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/make \1\t\2/p' $(MAKEFILE_LIST) | expand -t 16
@@ -83,3 +83,9 @@ bench-studies: $(INSTALLED) ## what a study costs on top of its adjustments, and
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[cluster]'
 	$(BIN)/python -m benchmarks.studies --output benchmarks/latest_studies.json
 	$(BIN)/python -m benchmarks.cluster --output benchmarks/latest_cluster.json
+
+bench-chain: $(INSTALLED) ## what the measurement chain costs beside the adjustment; writes benchmarks/chain.json
+	$(NATIVE_BLAS) $(BIN)/python -m benchmarks.chain $(BENCH_ARGS)
+
+bench-quality: $(INSTALLED) ## what reliability and the protocol cost; writes benchmarks/quality.json
+	$(NATIVE_BLAS) $(BIN)/python -m benchmarks.quality $(BENCH_ARGS)

@@ -24,6 +24,8 @@ if TYPE_CHECKING:
 DEFAULT_TRIALS = 200
 DEFAULT_SEED = 1980
 FOLDER = click.Path(file_okay=False, path_type=Path)
+STAGES = ("refraction", "curvature", "lens", "film-field", "marks", "comparator", "settings", "errors")
+"""those of simfield.chain.STAGES; repeated here, so that --help imports nothing heavy"""
 BLOCK_FOLDER = click.Path(exists=True, file_okay=False, path_type=Path)
 
 
@@ -199,13 +201,18 @@ def adjust(
 @click.option(
     "--chain", default="psk-1969", show_default=True, help="Measurement chain of --raw: psk-1969, undisturbed."
 )
-def simulate(source: str, seed: int, trial: int, folder: Path, raw: bool, chain: str) -> None:
+@click.option(
+    "--without", type=click.Choice(STAGES), multiple=True, help="A stage of the chain to leave out, with --raw."
+)
+def simulate(source: str, seed: int, trial: int, folder: Path, raw: bool, chain: str, without: tuple[str, ...]) -> None:
     """Fly a scenario; write the block folder a surveyor would hand over, and truth.json beside it."""
     from studies import simulation
 
     try:
+        if without and not raw:
+            raise click.UsageError("--without belongs to --raw: a block folder has no measurement chain")
         if raw:
-            click.echo(simulation.write_measured(source, chain, seed, trial, folder))
+            click.echo(simulation.write_measured(source, chain, seed, trial, folder, without))
             return
         click.echo(simulation.write(source, seed, trial, folder))
     except simulation.WrongScenarioError as error:

@@ -52,9 +52,12 @@ def write(source: str, seed: int, trial: int, folder: Path) -> str:
     )
 
 
-def write_measured(source: str, chain: str, seed: int, trial: int, folder: Path) -> str:
-    """Fly a scenario and measure it on a comparator; write the measured file and truth.json. Raises as `write`."""
-    from simfield.chain import chains, prepare, write_raw
+def write_measured(source: str, chain: str, seed: int, trial: int, folder: Path, left_out: tuple[str, ...] = ()) -> str:
+    """Fly a scenario and measure it on a comparator, without the stages left out; write measured file and truth.json.
+
+    Raises as `write`.
+    """
+    from simfield.chain import chains, prepare, without, write_raw
     from simfield.simulate import build_world
 
     flown = scenario(source)
@@ -62,7 +65,7 @@ def write_measured(source: str, chain: str, seed: int, trial: int, folder: Path)
         raise WrongScenarioError(f"no chain {chain!r}, chains are {', '.join(chains)}")
     try:
         world = build_world(flown, seed)
-        raw = prepare(world, chains[chain]).measure(trial)
+        raw = prepare(world, without(chains[chain], *left_out)).measure(trial)
         write_raw(raw, folder)
         write_truth(world.observe(trial)[1], folder)
     except (ArithmeticError, ValueError, BlockFolderError) as error:

@@ -4,10 +4,11 @@ from simfield.chain.film import RandomField
 from simfield.chain.lens import Lens, RadialCertificate
 from simfield.chain.machine import Comparator, Errors, Marks
 from simfield.chain.measure import Chain, Prepared, prepare
-from simfield.chain.presets import chains
+from simfield.chain.presets import STAGES, chains, without
 from simfield.chain.raw import Raw, read_raw, write_raw
 
 __all__ = [
+    "STAGES",
     "Chain",
     "Comparator",
     "Errors",
@@ -20,5 +21,6 @@ __all__ = [
     "chains",
     "prepare",
     "read_raw",
+    "without",
     "write_raw",
 ]

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from dataclasses import replace
 from types import MappingProxyType
 
 from simfield.chain.air import Air
@@ -48,3 +49,29 @@ PSK_1969 = Chain(
 
 chains: Mapping[str, Chain] = MappingProxyType({chain.name: chain for chain in (Chain(), PSK_1969)})
 """The chains by their name."""
+
+
+def without(chain: Chain, *stages: str) -> Chain:
+    """The chain without some of the STAGES. Raises ValueError for a stage that there is not."""
+    for stage in stages:
+        if stage not in STAGES:
+            raise ValueError(f"no stage {stage!r}, stages are {', '.join(STAGES)}")
+        chain = STAGES[stage](chain)
+    return chain
+
+
+STAGES: Mapping[str, Callable[[Chain], Chain]] = MappingProxyType(
+    {
+        "refraction": lambda c: replace(c, air=replace(c.air, refraction=False)),
+        "curvature": lambda c: replace(c, air=replace(c.air, curvature=False)),
+        "lens": lambda c: replace(c, lenses=()),
+        "film-field": lambda c: replace(c, film_field=None),
+        "marks": lambda c: replace(c, marks=replace(c.marks, calibration_um=0.0)),
+        "comparator": lambda c: replace(
+            c, comparator=Comparator(setting_um=c.comparator.setting_um, settings=c.comparator.settings)
+        ),
+        "settings": lambda c: replace(c, comparator=replace(c.comparator, setting_um=0.0)),
+        "errors": lambda c: replace(c, errors=Errors()),
+    }
+)
+"""How each stage is switched off, by its name."""

@@ -8,7 +8,18 @@ import numpy as np
 import pytest
 
 from simfield import build_world, presets
-from simfield.chain import Chain, Comparator, Errors, Marks, RadialCertificate, RandomField, chains, prepare
+from simfield.chain import (
+    STAGES,
+    Chain,
+    Comparator,
+    Errors,
+    Marks,
+    RadialCertificate,
+    RandomField,
+    chains,
+    prepare,
+    without,
+)
 from simfield.chain.film import field_at
 from simfield.noise import Noise
 
@@ -93,3 +104,23 @@ def test_what_makes_no_sense_is_refused():
         RandomField(1.0, 0.0)
     with pytest.raises(ValueError, match="shares from 0"):
         Errors(gross_rate=1.0)
+
+
+@pytest.mark.parametrize("stage", STAGES)
+def test_a_stage_that_is_left_out_is_gone_and_the_others_stay(world, stage):
+    chain = replace(chains["psk-1969"], errors=Errors(pointing_um=2.0))
+    left = without(chain, stage)
+    assert left != chain
+    assert without(left, stage) == left
+    for other in STAGES:
+        # settings belong to the comparator, and stay when its own errors go
+        assert without(without(chain, stage), other) == without(without(chain, other), stage)
+    assert not np.array_equal(prepare(world, left).measure(0).settings, prepare(world, chain).measure(0).settings) or (
+        stage == "marks"
+    )
+
+
+def test_without_every_stage_nothing_is_left():
+    assert replace(without(chains["psk-1969"], *STAGES), name="undisturbed") == Chain()
+    with pytest.raises(ValueError, match="no stage 'window'"):
+        without(Chain(), "window")

@@ -9,12 +9,14 @@ import pytest
 from click.testing import CliRunner
 
 from simfield import build_world, presets, read_block
-from simfield.chain import chains, prepare, read_raw, write_raw
+from simfield.chain import STAGES, chains, prepare, read_raw, write_raw
+from studies import cli, published
 from studies.cli import main
 from studies.reproduce_1980.experiment import Row
 from studies.reproduce_1980.trials import run_trials
-from studies.twin_1980 import ap_sets, fixed, variances
+from studies.twin_1980 import ap_sets, drawings, fixed, variances
 from studies.twin_1980.components import Component, all_components, scenario_with
+from studies.twin_1980.findings import Twin
 from studies.twin_1980.propagation import LinearRow, expected_squares
 
 TRIALS = 192
@@ -122,3 +124,31 @@ def test_the_twin_is_written(tmp_path):
     assert {"table1.csv", "table1-fixed.csv", "located.png", "report.md", "provenance.json"} <= {
         f.name for f in tmp_path.iterdir()
     }
+
+
+def test_stages_left_out_and_sets_by_flight_from_the_command_line(tmp_path):
+    raw, block, run = str(tmp_path / "raw"), str(tmp_path / "block"), CliRunner()
+    assert set(cli.STAGES) == set(STAGES)
+    lacking = ["--without", "refraction", "--without", "curvature", "--without", "settings"]
+    done = run.invoke(main, ["simulate", "rheidt-1980", "--seed", "1", "--raw", *lacking, "-o", raw])
+    assert done.exit_code == 0, done.output
+    assert run.invoke(main, ["simulate", "rheidt-1980", "--seed", "1", *lacking, "-o", raw]).exit_code == 2
+    kept = ["--without", "refraction", "--without", "curvature"]
+    done = run.invoke(main, ["reduce", raw, "-o", block, *kept])
+    assert "one setting            0.00 um" in done.output
+    done = run.invoke(main, ["adjust", block, "--ap", "optical", "--ap-by", "flight"])
+    assert done.exit_code == 0, done.output
+    assert "one AP set a flight against one a camera: F = " in done.output
+    assert "ww-after" in done.output
+
+
+def test_the_figure_of_the_twin_shows_all_published_figures():
+    table = published.mauelshagen_table1()
+    for column in ("m0_um", "mu_xy_mm", "mu_xy_coordinate_mm", "mu_z_mm"):
+        for part in ("", "_lo", "_hi"):
+            table[f"sim_{column}{part}"] = 1.0
+    twin = Twin("coordinate", None, None, None, None, None, table, table)
+    figure = drawings.located(twin)
+    drawn = [axes.lines[-3].get_xdata() for axes in figure.axes]
+    for found, column in zip(drawn, ("m0_um", "mu_xy_mm", "mu_z_mm"), strict=True):
+        np.testing.assert_array_equal(found, table[column])
