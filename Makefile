@@ -81,7 +81,7 @@ bench: $(PEERS) ## this engine beside scipy, GTSAM and Ceres; writes benchmarks/
 
 bench-studies: $(INSTALLED) ## what a study costs on top of its adjustments, and dask on top of joblib
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[cluster]'
-	$(BIN)/python -m benchmarks.studies --output benchmarks/latest_studies.json
+	$(NATIVE_BLAS) $(BIN)/python -m benchmarks.studies --output benchmarks/latest_studies.json
 	$(BIN)/python -m benchmarks.cluster --output benchmarks/latest_cluster.json
 
 bench-chain: $(INSTALLED) ## what the measurement chain costs beside the adjustment; writes benchmarks/chain.json
