@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 FOLDER = click.Path(file_okay=False, path_type=Path)
 STORE = click.Path(exists=True, file_okay=False, path_type=Path)
 LOCKED = 75
-SECONDS_AN_ADJUSTMENT = 9e-8
+SECONDS_AN_ADJUSTMENT = 2e-8
 """expected time of one adjusted trial for each image point, measured on one core of 2026 with blocks of 3300 of them"""
 
 
