@@ -15,7 +15,7 @@ INSTALLED := $(VENV)/.installed
 PEERS := $(VENV)/.peers
 
 .DEFAULT_GOAL := help
-.PHONY: help install test test-slow check reproduce bench bench-chain
+.PHONY: help install test test-slow test-lowest check docs docs-figures reproduce gallery bench bench-studies bench-chain bench-quality
 
 help: ## show this list
 	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/make \1\t\2/p' $(MAKEFILE_LIST) | expand -t 16
@@ -35,14 +35,41 @@ test: $(INSTALLED) ## run the tests, under five minutes on two cores
 test-slow: $(INSTALLED) ## run the long tests, as CI does
 	$(BIN)/python -m pytest -n $(JOBS) -m slow $(PYTEST_ARGS)
 
-check: $(INSTALLED) ## ruff, formatting, types and the layers of the packages
+# Every dependency in the lowest version that pyproject.toml allows, in an environment of its own.
+LOWEST := .venv-lowest
+$(LOWEST)/.installed: pyproject.toml
+	$(PYTHON) -m venv $(LOWEST)
+	$(PYTHON) -c 'import tomllib; p = tomllib.load(open("pyproject.toml", "rb"))["project"]; \
+	  print(*(d.replace(">=", "==") for d in p["dependencies"] + p["optional-dependencies"]["cluster"]), sep="\n")' \
+	  > $(LOWEST)/constraints.txt
+	$(LOWEST)/bin/python -m pip install --quiet --disable-pip-version-check --editable '.[test,cluster]' \
+	  --constraint $(LOWEST)/constraints.txt
+	@touch $@
+
+test-lowest: $(LOWEST)/.installed ## run the tests with the lowest versions that pyproject.toml allows
+	NUMBA_CACHE_DIR=$(CURDIR)/$(LOWEST)/compiled $(LOWEST)/bin/python -m pytest -n $(JOBS) -m 'not slow' $(PYTEST_ARGS)
+
+check: $(INSTALLED) ## ruff, formatting, types, layers of the packages, scientific-python review
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports
+	$(BIN)/repo-review . --show err
+
+# A page that is left over from an earlier build would hide a broken link.
+docs: $(INSTALLED) ## build the documentation into docs/_build/html, a warning is an error
+	rm -rf docs/_build
+	$(BIN)/sphinx-build -W --keep-going -q -b html docs docs/_build/html
+
+docs-figures: $(INSTALLED) ## draw the figures of the tutorial anew, by following it
+	$(BIN)/python -m tests.draw_tutorial docs/figures
 
 reproduce: $(INSTALLED) ## repeat the experiment of Mauelshagen 1980 into results/mauelshagen-1980
 	$(BIN)/simfield reproduce mauelshagen-1980
+	$(BIN)/simfield report results/mauelshagen-1980
+
+gallery: $(INSTALLED) ## draw every kind of figure into docs/gallery
+	$(BIN)/python -m studies.gallery docs
 
 # Other solvers are needed for comparison only.
 $(PEERS): $(INSTALLED)
@@ -52,5 +79,13 @@ $(PEERS): $(INSTALLED)
 bench: $(PEERS) ## this engine beside scipy, GTSAM and Ceres; writes benchmarks/latest.json
 	$(NATIVE_BLAS) $(BIN)/python -m benchmarks.bench $(BENCH_ARGS)
 
+bench-studies: $(INSTALLED) ## what a study costs on top of its adjustments, and dask on top of joblib
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[cluster]'
+	$(NATIVE_BLAS) $(BIN)/python -m benchmarks.studies --output benchmarks/latest_studies.json
+	$(BIN)/python -m benchmarks.cluster --output benchmarks/latest_cluster.json
+
 bench-chain: $(INSTALLED) ## what the measurement chain costs beside the adjustment; writes benchmarks/chain.json
 	$(NATIVE_BLAS) $(BIN)/python -m benchmarks.chain $(BENCH_ARGS)
+
+bench-quality: $(INSTALLED) ## what reliability and the protocol cost; writes benchmarks/quality.json
+	$(NATIVE_BLAS) $(BIN)/python -m benchmarks.quality $(BENCH_ARGS)

@@ -1,4 +1,4 @@
-"""The answer of the engine: estimates with their quality."""
+"""The answer of the engine: estimates with their quality; the words are those of docs/conventions.md."""
 
 from __future__ import annotations
 
@@ -23,9 +23,10 @@ Name = tuple[str, str]
 
 @dataclass(frozen=True, eq=False)
 class Estimates:
-    """Estimates of one kind: ids of the rows, names of the columns, values and standard deviations of the same shape.
+    """Estimates of one kind: ids (n) of the rows, names (c) of the columns, values (n, c) and standard deviations.
 
-    Standard deviations are a posteriori (times sigma0); NaN where the adjustment failed, 0 where a value is held fixed.
+    Metres, and radians for angles. std (n, c) is a posteriori (times sigma0); NaN where the adjustment failed, 0 where
+    a value is held fixed.
     """
 
     ids: tuple[str, ...]
@@ -36,7 +37,10 @@ class Estimates:
 
 @dataclass(frozen=True, eq=False)
 class ApEstimate:
-    """The additional parameters of one camera: values and std (a), names (a)."""
+    """The additional parameters of one camera: names (a), values (a) and their standard deviations std (a).
+
+    Each is in the unit that its term asks for, so that value times term is in mm.
+    """
 
     names: tuple[str, ...]
     values: Floats
@@ -51,7 +55,9 @@ class ApEstimate:
 class Adjustment:
     """The result of `adjust_block`. Everything derived is computed when it is asked for.
 
-    x is the estimate in the layout of `layout`; status says how the adjustment ended and `message` says it in one line.
+    x (size) is the estimate in the layout of `layout`: orientations (X0, Y0, Z0 in metres, reduced to `layout.origin`;
+    omega, phi, kappa in radians), additional parameters, what further groups add, points (metres, reduced). status says
+    how the adjustment ended and `message` says it in one line; iterations counts the steps.
     """
 
     block: Block
@@ -75,6 +81,7 @@ class Adjustment:
 
     @property
     def redundancy(self) -> int:
+        """Observations minus unknowns."""
         return self.observations - self.unknowns
 
     @property
@@ -92,7 +99,7 @@ class Adjustment:
 
     @property
     def vpv(self) -> float:
-        """The weighted sum of squares of all residuals."""
+        """The weighted sum of squares of all residuals, free of unit."""
         return self.groups.cost(self.x)
 
     @cached_property
@@ -123,7 +130,9 @@ class Adjustment:
 
     @cached_property
     def std(self) -> Floats:
-        """The standard deviation of every unknown in the layout of x."""
+        """(size) the standard deviation of every unknown, in the layout and the units of x; NaN where the adjustment
+        failed, 0 where a value is held fixed. Raises ValueError if the normal equations are singular at the estimate.
+        """
         if not self.status.ok:
             return np.full(len(self.x), np.nan)
         with one_thread():
@@ -156,11 +165,11 @@ class Adjustment:
 
     @cached_property
     def ap(self) -> dict[str, ApEstimate]:
-        """The additional parameters by camera id."""
+        """The additional parameters by the id of their set: the camera id, unless `ap_by` said otherwise."""
         return {s.id: ApEstimate(s.model.parameters, self.x[s.columns], self.std[s.columns]) for s in self.layout.sets}
 
     def covariance(self, *names: Name) -> Floats:
-        """The covariance matrix of the named unknowns, each (owner, name), from the full inverse.
+        """The covariance matrix (q, q) of q named unknowns, each (owner, name), in the units of x.
 
         Raises KeyError for an unknown name and ValueError where the adjustment failed.
         """
@@ -168,12 +177,18 @@ class Adjustment:
         return np.asarray(self.sigma0**2 * self.cofactors.block(at, at))
 
     def correlation(self, *names: Name) -> Floats:
-        """The correlation matrix of the named unknowns; NaN rows for those held fixed. Raises as `covariance`."""
+        """The correlation matrix (q, q) of q named unknowns, free of unit; NaN rows for those held fixed.
+
+        Raises KeyError for an unknown name and ValueError where the adjustment failed.
+        """
         at = np.array([self.layout.index(*name) for name in names], dtype=np.intp)
         return correlations(self.cofactors.block(at, at))
 
     def ap_correlation(self, camera_id: str) -> Floats:
-        """The correlation matrix of all additional parameters of one camera."""
+        """The correlation matrix (a, a) of all additional parameters of one camera, free of unit.
+
+        Raises KeyError for an id that has none and ValueError where the adjustment failed.
+        """
         names: Sequence[str] = self.ap[camera_id].names
         return self.correlation(*((camera_id, name) for name in names))
 

@@ -6,7 +6,7 @@ milder than leaving them out. A prior of 0 says that a parameter is not expected
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -30,6 +30,11 @@ class ApPriors:
     @property
     def coupled(self) -> tuple[str, ...]:
         return ()
+
+    def restricted(self, names: Collection[Name]) -> ApPriors:
+        """Without the priors of parameters that are not among the names (camera, parameter)."""
+        kept = {name: both for name, both in self.values.items() if (self.camera_id, name) in names}
+        return ApPriors(self.camera_id, kept)
 
     def unknowns(self, block: Block) -> tuple[Name, ...]:
         """None. Raises ValueError for a standard deviation that is not positive."""

@@ -19,6 +19,7 @@ from adjust.normals import Plain
 from adjust.observations import Observations
 from adjust.one_thread import one_thread
 from adjust.solve import Arithmetic, Solution, solve
+from adjust.stated import stated_groups
 from adjust.status import Status
 from adjust.unknowns import Unknowns
 from simfield.block import Block, Floats
@@ -38,10 +39,11 @@ def adjust_block(
     model is one AP model for all cameras (None: no additional parameters) or a mapping from camera id to model. The
     result's `status` says whether the adjustment succeeded; nothing is raised for data that cannot be adjusted. Raises
     KeyError for a mapping without one of the cameras. datum says what ties the block to its frame (adjust.datum), the
-    control of the block by default. observations are further groups (adjust.stations, adjust.ap_priors); ValueError or
-    KeyError for those that do not fit the block. ap_by says whose AP sets there are (adjust.ap_sets): those of cameras,
-    flights, strips or images, or a mapping from image ids to set ids; ValueError if images of two cameras share one or
-    ids name no flight or strip, KeyError for an image that a mapping lacks.
+    control of the block by default. The further observations of the block are used; observations are other groups
+    (adjust.stations, adjust.ap_priors); ValueError or KeyError for those that do not fit the block or the model. ap_by
+    says whose AP sets there are (adjust.ap_sets): those of cameras, flights, strips or images, or a mapping from image
+    ids to set ids; ValueError if images of two cameras share one or ids name no flight or strip, KeyError for an image
+    that a mapping lacks.
     compiled=False takes the readable arithmetic in plain numpy, with the same result.
 
     Least squares of measured + v = projected + d(measured) with weights 1/sigma^2, by Gauss-Newton with the points
@@ -49,11 +51,13 @@ def adjust_block(
     """
     datum = ByControl() if datum is None else datum
     model = NoModel() if model is None else model
+    observations = (*stated_groups(block, model), *observations)
     names = unknowns_of(observations, block)
     try:
         if not isinstance(datum, ByControl) and any(group.ties_datum for group in observations):
             raise ValueError(
-                "a free network cannot hold observed stations, distances or heights; take the datum by control"
+                "a free network cannot hold observed stations, distances or heights; take the datum by control, or "
+                "leave them out"
             )
         block = datum.prepared(block)
     except (initial.NoStartError, ValueError) as error:

@@ -203,13 +203,15 @@ class FreeCofactors(Cofactors):
 def _moved(a: Adjustment, x: Floats, points: Points) -> Adjustment:
     block = _with_points(a.block, points)
     layout = replace(a.layout, block=block)
-    groups = replace(Observations.of(block, layout), further=a.groups.further).with_weights(a.groups.weights)
+    groups = replace(Observations.of(block, layout), further=a.groups.further, stated=a.groups.stated).with_weights(
+        a.groups.weights
+    )
     arithmetic = Compiled(groups) if isinstance(a.arithmetic, Compiled) else Plain(groups)
     return replace(a, block=block, layout=layout, groups=groups, x=x, arithmetic=arithmetic)
 
 
 def _with_points(block: Block, points: Points) -> Block:
-    return Block(block.cameras, block.images, points, block.observations)
+    return replace(block, points=points)
 
 
 def _approximate(block: Block, ids: Sequence[str]) -> tuple[Floats, Indices]:

@@ -23,6 +23,7 @@ import numpy as np
 from adjust.adjustment import Adjustment
 from adjust.ap_models.model import ApModel
 from adjust.ap_models.restricted import without
+from adjust.ap_priors import ApPriors
 from adjust.bundle import adjust_block
 from adjust.gross_errors import LEAST_CHECKED
 from adjust.influence import Influence
@@ -131,7 +132,10 @@ def delete_stepwise(a: Adjustment, alpha: float = ALPHA, correlation_most: float
 
 
 def _adjusted(a: Adjustment, models: Mapping[str, ApModel]) -> Adjustment:
-    return adjust_block(a.block, models)
+    """Adjusted anew with all that was observed; of the priors those whose parameters are left."""
+    left = {(camera, name) for camera, model in models.items() for name in model.parameters}
+    groups = [group.restricted(left) if isinstance(group, ApPriors) else group for group in a.regular.groups.stated]
+    return adjust_block(a.regular.block.without(), models, observations=groups)
 
 
 def _worst(a: Adjustment, alpha: float, correlation_most: float) -> Deletion | None:

@@ -210,11 +210,13 @@ class Observations:
     image_points: ImagePoints
     control: ControlCoordinates
     further: tuple[Bound, ...] = ()
+    stated: tuple[Group, ...] = ()
+    """the further groups as they were stated, to adjust with other unknowns"""
 
     @classmethod
     def of(cls, block: Block, unknowns: Unknowns, groups: Sequence[Group] = ()) -> Observations:
         bound = tuple(group.bind(unknowns) for group in groups)
-        return cls(ImagePoints.of(block, unknowns), ControlCoordinates.of(block, unknowns), bound)
+        return cls(ImagePoints.of(block, unknowns), ControlCoordinates.of(block, unknowns), bound, tuple(groups))
 
     @property
     def rows(self) -> int:
@@ -246,6 +248,7 @@ class Observations:
             replace(self.image_points, weight=image_points),
             replace(self.control, weight=control),
             tuple(group.with_weight(weight) for group, weight in zip(self.further, others, strict=True)),
+            self.stated,
         )
 
     def beside_elimination(self, x: Floats, gradient_only: bool = False) -> tuple[list[tuple[Floats, Linear]], float]:

@@ -14,6 +14,7 @@ import scipy.linalg
 from adjust.band_factor import BandFactor
 from adjust.band_inverse import band_cofactors
 from adjust.normals import Factor
+from adjust.one_thread import one_thread
 from adjust.unknowns import Unknowns
 from simfield.block import Floats, Indices
 
@@ -61,10 +62,11 @@ class Cofactors:
     def block(self, rows: Indices, columns: Indices) -> Floats:
         """Q[rows, columns] for any places in x."""
         left, right = self.factor.spread(rows), self.factor.spread(columns)
-        if isinstance(self.factor, BandFactor):
-            q = left @ self.factor.solve_orientation(np.ascontiguousarray(right.T))
-        else:
-            q = left @ self.orientation @ right.T
+        with one_thread():
+            if isinstance(self.factor, BandFactor):
+                q = left @ self.factor.solve_orientation(np.ascontiguousarray(right.T))
+            else:
+                q = left @ self.orientation @ right.T
         size = self.unknowns.orientation
         row_point, column_point = (rows - size) // 3, (columns - size) // 3
         same = (rows >= size)[:, None] & (columns >= size) & (row_point[:, None] == column_point)

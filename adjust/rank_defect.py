@@ -180,7 +180,8 @@ def _say_datum(u: Unknowns, free: Floats) -> str:
         )
     elif rest.shape[1]:
         share = np.linalg.norm(rest, axis=1)
-        said.append("a combination of " + _listed(DATUM_NAMES[i] for i in range(7) if share[i] > LEADING * share.max()))
+        leading = [DATUM_NAMES[i] for i in range(7) if share[i] > LEADING * share.max()]
+        said.append(("a combination of " if len(leading) > 1 else "mainly ") + _listed(leading))
     return f"the control fixes only {7 - defect} of the 7 datum elements; free: {_listed(said)}"
 
 

@@ -69,7 +69,7 @@ class Replicates:
 
     @property
     def iterations(self) -> npt.NDArray[np.int16]:
-        """(t)."""
+        """(t) the number of steps that each trial took."""
         return self.trials.iterations
 
     @property
@@ -79,7 +79,7 @@ class Replicates:
 
     @property
     def sigma0(self) -> Floats:
-        """(t)."""
+        """(t) sqrt(vPv / redundancy), free of unit."""
         return np.asarray(np.sqrt(self.trials.vpv / self.nominal.redundancy))
 
     @property
@@ -107,7 +107,10 @@ class Replicates:
         return np.asarray(reduced + self.nominal.layout.origin)
 
     def ap(self, set_id: str) -> Floats:
-        """(t, a) the additional parameters of a camera. Raises KeyError for an id that has none."""
+        """(t, a) the additional parameters of a camera, in the units of `ApEstimate`.
+
+        Raises KeyError for an id that has none.
+        """
         for s in self.nominal.layout.sets:
             if s.id == set_id:
                 return self.trials.x[:, s.columns]
@@ -115,7 +118,7 @@ class Replicates:
 
     @property
     def std(self) -> Floats:
-        """(t, size) formal standard deviations: each trial's sigma0 times the root of the cofactors.
+        """(t, size) formal standard deviations: each trial's sigma0 times the root of the cofactors, in the units of x.
 
         The cofactors are those of each trial where `exact_std` was asked for, else the nominal ones for all, which is
         good to about 2e-4.
@@ -144,13 +147,29 @@ def adjust_replicates(
     that is not linear are all solved by full Gauss-Newton, and `finished_by_gauss_newton` counts them. Raises
     ValueError when the block itself cannot be adjusted or shapes do not fit.
     """
-    count = len(image_points)
     _check_shapes(block, image_points, coordinates)
+    return adjust_prepared(
+        prepared(block, model, exact_std=exact_std), image_points, coordinates=coordinates, jobs=jobs
+    )
+
+
+def prepared(block: Block, model: ApModel | Mapping[str, ApModel] | None, *, exact_std: bool = False) -> Chord:
+    """What all trials of a geometry share, for several calls of `adjust_prepared`: the adjustment of the block itself
+    and its cofactors. Raises ValueError when the block cannot be adjusted.
+    """
     with one_thread():
-        chord = Chord.of(block, model, exact_std)
+        return Chord.of(block, model, exact_std)
+
+
+def adjust_prepared(
+    chord: Chord, image_points: ImagePointTrials, *, coordinates: Floats | None = None, jobs: int = 1
+) -> Replicates:
+    """`adjust_replicates` for a geometry that has been prepared. Raises ValueError where shapes do not fit."""
+    count = len(image_points)
+    _check_shapes(chord.nominal.block, image_points, coordinates)
     tasks = [slice(first, min(first + TASK, count)) for first in range(0, count, TASK)]
     if jobs == 1 or len(tasks) <= 1:
-        trials = Trials.empty(count, len(chord.nominal.x), exact_std)
+        trials = Trials.empty(count, len(chord.nominal.x), chord.exact_std)
         room = _workspace(chord, image_points)
         for task in tasks:
             _solve(chord, image_points, coordinates, task, room, trials.part(task))
@@ -164,6 +183,8 @@ def adjust_replicates(
 
 
 def _check_shapes(block: Block, image_points: ImagePointTrials, coordinates: Floats | None) -> None:
+    if block.further:
+        raise ValueError("trials know image points and control only; leave the others out: block.without()")
     k, n = len(block.observations), len(block.points)
     shape = np.shape(image_points[0:1])
     if len(shape) != 3 or shape[1:] != (k, 2):

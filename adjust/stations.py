@@ -11,6 +11,7 @@ strip.)
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -26,16 +27,16 @@ FIRST = {"position": 0, "attitude": 3}
 class _Stations:
     """image_ids (q); values and sigma (q, 3), NaN where an element was not observed.
 
-    strip (q): the strip of every image, or none for one strip; offset, drift: whether they are unknown; time (q): from
-    -1 to 1 along each strip, by default the order of the images in it.
+    strip (q): the strip of every image, or none for one strip; offset, drift: whether they are unknown, or the strips
+    in which they are; time (q): from -1 to 1 along each strip, by default the order of the images in it.
     """
 
     image_ids: tuple[str, ...]
     values: Floats
     sigma: Floats
     strip: tuple[str, ...] = ()
-    offset: bool = False
-    drift: bool = False
+    offset: bool | Collection[str] = False
+    drift: bool | Collection[str] = False
     time: Floats | None = None
 
     kind = "position"
@@ -57,10 +58,10 @@ class _Stations:
     def elements(self) -> tuple[str, ...]:
         return EXTERIOR_NAMES[FIRST[self.kind] : FIRST[self.kind] + 3]
 
-    @property
-    def terms(self) -> tuple[str, ...]:
-        """The kinds of unknowns: offset, drift."""
-        return ("offset",) * self.offset + ("drift",) * self.drift
+    def terms(self, strip: str) -> tuple[str, ...]:
+        """The kinds of unknowns of a strip: offset, drift."""
+        said = {"offset": self.offset, "drift": self.drift}
+        return tuple(term for term, where in said.items() if (where if isinstance(where, bool) else strip in where))
 
     def unknowns(self, block: Block) -> tuple[Name, ...]:
         """Raises ValueError for images that the block does not have and for shapes that do not fit."""
@@ -72,8 +73,14 @@ class _Stations:
             raise ValueError(f"{self.kind}s: {q} images need values and sigma of shape ({q}, 3) and {q} strips")
         if not (np.isnan(self.values) | (self.sigma > 0.0)).all():
             raise ValueError(f"{self.kind}s: every observed element needs a standard deviation > 0")
-        owners = [f"{self.kind} of strip {name}" for name in dict.fromkeys(self.strips)]
-        return tuple((owner, f"{term} {e}") for owner in owners for term in self.terms for e in self.elements)
+        strips, seen = np.array(self.strips), np.isfinite(self.values)
+        return tuple(
+            (f"{self.kind} of strip {name}", f"{term} {element}")
+            for name in dict.fromkeys(self.strips)
+            for term in self.terms(name)
+            for element, observed in zip(self.elements, seen[strips == name].any(axis=0), strict=True)
+            if observed
+        )
 
     def times(self) -> Floats:
         """(q) from -1 to 1."""
@@ -92,13 +99,14 @@ class _Stations:
         columns = [6 * image[seen] + first + element]
         derivatives = [np.ones(len(seen))]
         for term, factor in (("offset", np.ones(len(image))), ("drift", self.times())):
-            if term in self.terms:
-                owners = [f"{self.kind} of strip {self.strips[i]}" for i in seen]
-                names = [f"{term} {self.elements[e]}" for e in element]
-                columns.append(
-                    np.array([layout.index(*name) for name in zip(owners, names, strict=True)], dtype=np.intp)
-                )
-                derivatives.append(factor[seen])
+            place, derivative = np.zeros(len(seen), dtype=np.intp), np.zeros(len(seen))
+            for row, (i, e) in enumerate(zip(seen, element, strict=True)):
+                strip = self.strips[i]
+                if term in self.terms(strip):
+                    place[row] = layout.index(f"{self.kind} of strip {strip}", f"{term} {self.elements[e]}")
+                    derivative[row] = factor[i]
+            columns.append(place)
+            derivatives.append(derivative)
         origin = layout.origin[element] if self.kind == "position" else 0.0
         labels = tuple(f"{self.elements[e]} of image {self.image_ids[i]}" for i, e in zip(seen, element, strict=True))
         return BoundStations(

@@ -21,4 +21,5 @@ class Status(Enum):
 
     @property
     def ok(self) -> bool:
+        """Whether there are estimates: the iteration converged."""
         return self is Status.CONVERGED

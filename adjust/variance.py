@@ -78,7 +78,9 @@ def groups_by_camera(a: Adjustment) -> dict[str, Indices]:
     groups[CONTROL] = len(camera) + np.arange(len(a.groups.control.columns))
     start = len(camera) + len(groups[CONTROL])
     for group in a.groups.further:
-        groups[group.name] = start + np.arange(len(group.weight))
+        # two lists of distances are one group of observations
+        earlier = groups.get(group.name, np.empty(0, dtype=np.intp))
+        groups[group.name] = np.append(earlier, start + np.arange(len(group.weight)))
         start += len(group.weight)
     return {name: rows for name, rows in groups.items() if len(rows)}
 

@@ -32,6 +32,10 @@ class AdjustBlock:
     def answer(self) -> Answer:
         return answer_of(self.adjustment, self.adjustment.x)
 
+    def point_std(self) -> Floats:
+        """(n, 3) standard deviations of the points for sigma0 = 1, m; 0 where held."""
+        return np.sqrt(np.einsum("nii->ni", self.adjustment.cofactors.points))
+
     @property
     def note(self) -> str:
         return f"{self.adjustment.iterations} steps, {self.adjustment.unknowns} unknowns"

@@ -9,6 +9,7 @@ import numpy as np
 from gtsam.symbol_shorthand import K, L, X
 
 from benchmarks.problem import IDEAL4, TO_VISION, Answer, Problem
+from simfield.block import Floats
 
 HELD_M = 1e-6
 """standard deviation of what is held constant: hard constraints send GTSAM to QR, forty times slower, and this moves
@@ -76,6 +77,12 @@ class Gtsam:
             np.array([self.values.atPoint3(L(p)) for p in range(len(block.points))]),
             parameters,
         )
+
+    def point_std(self) -> Floats:
+        """(n, 3) standard deviations of the points for sigma0 = 1, m, marginal over everything else; 0 where held."""
+        marginals = gtsam.Marginals(self.graph, self.values)
+        variances = [np.diag(marginals.marginalCovariance(L(p))) for p in range(len(self.problem.held))]
+        return np.where(self.problem.held[:, None], 0.0, np.sqrt(variances))
 
     @property
     def note(self) -> str:

@@ -9,29 +9,22 @@ fiducial centre, millimetres; angles in radians; NaN marks an unknown value.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
-from dataclasses import dataclass, field
-from typing import Any
+from collections.abc import Collection
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 import numpy.typing as npt
 
-Floats = npt.NDArray[np.float64]
-Indices = npt.NDArray[np.intp]
+from simfield.further import Further
+from simfield.table_checks import BlockError as BlockError
+from simfield.table_checks import Floats as Floats
+from simfield.table_checks import Indices as Indices
+from simfield.table_checks import check_ids, check_index, check_shape, freeze, refuse
 
 ROLES = ("control", "check", "tie")
 EXTERIOR = ("X0_m", "Y0_m", "Z0_m", "omega_deg", "phi_deg", "kappa_deg")
 COORDINATES = ("X_m", "Y_m", "Z_m")
 SIGMAS = ("sigma_X_m", "sigma_Y_m", "sigma_Z_m")
-
-
-class BlockError(ValueError):
-    """A defect of a block, with its place: the table, the row (0-based, None for the whole table) and the column."""
-
-    def __init__(self, table: str, reason: str, row: int | None = None, column: str | None = None) -> None:
-        self.table, self.row, self.column, self.reason = table, row, column, reason
-        place = table + (f" row {row}" if row is not None else "") + (f", {column}" if column else "")
-        super().__init__(f"{place}: {reason}")
 
 
 @dataclass(frozen=True)
@@ -63,7 +56,7 @@ class Images:
     exterior: Floats
 
     def __post_init__(self) -> None:
-        _freeze(self, camera=np.intp, exterior=np.float64)
+        freeze(self, camera=np.intp, exterior=np.float64)
 
     def __len__(self) -> int:
         return len(self.ids)
@@ -83,7 +76,7 @@ class Points:
     sigma: Floats
 
     def __post_init__(self) -> None:
-        _freeze(self, role=np.str_, coordinates=np.float64, sigma=np.float64)
+        freeze(self, role=np.str_, coordinates=np.float64, sigma=np.float64)
 
     def __len__(self) -> int:
         return len(self.ids)
@@ -109,7 +102,7 @@ class ImageObservations:
     sigma: Floats
 
     def __post_init__(self) -> None:
-        _freeze(self, image=np.intp, point=np.intp, xy=np.float64, sigma=np.float64)
+        freeze(self, image=np.intp, point=np.intp, xy=np.float64, sigma=np.float64)
 
     def __len__(self) -> int:
         return len(self.image)
@@ -119,13 +112,16 @@ class ImageObservations:
 class Block:
     """A photogrammetric block, validated when it is made and read-only afterwards.
 
-    Raises BlockError with table, row and column at the first defect.
+    Tables of cameras, images (m), points (n) and image observations (k); they refer to each other by index. `rays` (n)
+    counts. Raises BlockError with table, row and column at the first defect.
     """
 
     cameras: tuple[Camera, ...]
     images: Images
     points: Points
     observations: ImageObservations
+    further: Further = field(default_factory=Further)
+    """stations, distances, height differences and prior values, none by default"""
     rays: Indices = field(init=False, repr=False)
     """(n) number of images in which each point was measured"""
 
@@ -138,9 +134,11 @@ class Block:
         rays.flags.writeable = False
         object.__setattr__(self, "rays", rays)
         _check_rays(self.points, rays)
+        self.further.check(self.images.ids, self.points.ids, self.camera_ids)
 
     @property
     def camera_ids(self) -> tuple[str, ...]:
+        """The ids of the cameras, in the order of `cameras`."""
         return tuple(c.camera_id for c in self.cameras)
 
     @property
@@ -149,9 +147,18 @@ class Block:
         return self.images.camera[self.observations.image]
 
     def replace_image_points(self, xy: Floats) -> Block:
-        """The same block with other image coordinates xy (k, 2), mm."""
+        """The same block with other image coordinates xy (k, 2), mm. Raises BlockError for another shape, or values
+        that are not finite.
+        """
         o = self.observations
-        return Block(self.cameras, self.images, self.points, ImageObservations(o.image, o.point, xy, o.sigma))
+        return replace(self, observations=ImageObservations(o.image, o.point, xy, o.sigma))
+
+    def without(self, *tables: str) -> Block:
+        """The same block without some of its further tables (simfield.further.TABLES), all if none is named.
+
+        Raises KeyError for another name.
+        """
+        return replace(self, further=self.further.without(*tables))
 
     def select(
         self,
@@ -162,7 +169,8 @@ class Block:
     ) -> Block:
         """The sub-block of the named cameras, images and points; None keeps all.
 
-        Points that are left without any observation are left out, and so are cameras without images.
+        Points that are left without any observation are left out, and so are cameras without images. Further
+        observations stay where all that they belong to is kept.
         Raises KeyError for a name that the block does not have.
         """
         camera_keep = _named(self.camera_ids, cameras, "camera")
@@ -187,15 +195,8 @@ class Block:
                 self.points.sigma[point_keep],
             ),
             ImageObservations(image_at[o.image[kept]], point_at[o.point[kept]], o.xy[kept], o.sigma[kept]),
+            self.further.select(image_keep, point_keep, camera_keep),
         )
-
-
-def _freeze(table: Any, **dtypes: Any) -> None:
-    """Own a read-only, contiguous copy of every named array."""
-    for name, dtype in dtypes.items():
-        array = np.array(getattr(table, name), dtype=dtype, order="C")
-        array.flags.writeable = False
-        object.__setattr__(table, name, array)
 
 
 def _named(ids: tuple[str, ...], wanted: Collection[str] | None, kind: str) -> npt.NDArray[np.bool_]:
@@ -208,45 +209,21 @@ def _named(ids: tuple[str, ...], wanted: Collection[str] | None, kind: str) -> n
     return np.array([i in chosen for i in ids], dtype=bool)
 
 
-def _check_shape(table: str, name: str, array: npt.NDArray[Any], shape: tuple[int, ...]) -> None:
-    if array.shape != shape:
-        raise BlockError(table, f"{name} has shape {array.shape}, needed is {shape}")
-
-
-def _check_ids(table: str, ids: Sequence[str], column: str) -> None:
-    if not ids:
-        raise BlockError(table, "is empty")
-    seen: dict[str, int] = {}
-    for row, name in enumerate(ids):
-        if not isinstance(name, str) or not name or name != name.strip():
-            raise BlockError(table, f"{name!r} is not an id (a text without blanks at its ends)", row, column)
-        if name in seen:
-            raise BlockError(table, f"{name!r} stands already in row {seen[name]}", row, column)
-        seen[name] = row
-
-
-def _refuse(table: str, bad: npt.NDArray[np.bool_], columns: Sequence[str], values: Floats, rule: str) -> None:
-    """Raise for the first True of bad (rows, columns)."""
-    if bad.any():
-        row, column = (int(i) for i in np.argwhere(bad)[0])
-        raise BlockError(table, f"{values[row, column]:.6g} is not allowed, {rule}", row, columns[column])
-
-
 def _check_cameras(cameras: tuple[Camera, ...]) -> None:
-    _check_ids("cameras", [c.camera_id for c in cameras], "camera_id")
+    check_ids("cameras", [c.camera_id for c in cameras], "camera_id")
     columns = ("c_mm", "x0_mm", "y0_mm", "width_mm", "height_mm")
     values = np.array([[getattr(c, name) for name in columns] for c in cameras], dtype=float)
-    _refuse("cameras", ~np.isfinite(values), columns, values, "must be finite")
+    refuse("cameras", ~np.isfinite(values), columns, values, "must be finite")
     positive = np.array([True, False, False, True, True])
-    _refuse("cameras", positive & (values <= 0.0), columns, values, "must be > 0")
+    refuse("cameras", positive & (values <= 0.0), columns, values, "must be > 0")
 
 
 def _check_images(images: Images, n_cameras: int) -> None:
-    _check_ids("images", images.ids, "image_id")
-    _check_shape("images", "camera", images.camera, (len(images),))
-    _check_shape("images", "exterior", images.exterior, (len(images), 6))
-    _check_index("images", images.camera, n_cameras, "camera_id")
-    _refuse("images", np.isinf(images.exterior), EXTERIOR, images.exterior, "must be finite or empty")
+    check_ids("images", images.ids, "image_id")
+    check_shape("images", "camera", images.camera, (len(images),))
+    check_shape("images", "exterior", images.exterior, (len(images), 6))
+    check_index("images", images.camera, n_cameras, "camera_id")
+    refuse("images", np.isinf(images.exterior), EXTERIOR, images.exterior, "must be finite or empty")
     started = np.isfinite(images.exterior)
     partial = started.any(axis=1) & ~started.all(axis=1)
     if partial.any():
@@ -254,26 +231,24 @@ def _check_images(images: Images, n_cameras: int) -> None:
         column = EXTERIOR[int(np.argmin(started[row]))]
         raise BlockError("images", "is empty while others are given; give all six or none", row, column)
     attitude = np.where(started[:, 3:], np.abs(images.exterior[:, 3:]), 0.0)
-    _refuse(
-        "images", attitude > 4.0 * np.pi, EXTERIOR[3:], np.rad2deg(images.exterior[:, 3:]), "|angle| <= 720 degrees"
-    )
+    refuse("images", attitude > 4.0 * np.pi, EXTERIOR[3:], np.rad2deg(images.exterior[:, 3:]), "|angle| <= 720 degrees")
 
 
 def _check_points(points: Points) -> None:
     n = len(points)
-    _check_ids("points", points.ids, "point_id")
-    _check_shape("points", "role", points.role, (n,))
-    _check_shape("points", "coordinates", points.coordinates, (n, 3))
-    _check_shape("points", "sigma", points.sigma, (n, 3))
+    check_ids("points", points.ids, "point_id")
+    check_shape("points", "role", points.role, (n,))
+    check_shape("points", "coordinates", points.coordinates, (n, 3))
+    check_shape("points", "sigma", points.sigma, (n, 3))
     unknown = ~np.isin(points.role, ROLES)
     if unknown.any():
         row = int(np.argmax(unknown))
         raise BlockError("points", f"{str(points.role[row])!r} is no role, allowed are {', '.join(ROLES)}", row, "role")
-    _refuse("points", np.isinf(points.coordinates), COORDINATES, points.coordinates, "must be finite or empty")
-    _refuse("points", np.isinf(points.sigma), SIGMAS, points.sigma, "must be finite or empty")
-    _refuse("points", points.sigma < 0.0, SIGMAS, points.sigma, "must be >= 0 or empty")
+    refuse("points", np.isinf(points.coordinates), COORDINATES, points.coordinates, "must be finite or empty")
+    refuse("points", np.isinf(points.sigma), SIGMAS, points.sigma, "must be finite or empty")
+    refuse("points", points.sigma < 0.0, SIGMAS, points.sigma, "must be >= 0 or empty")
     control = (points.role == "control")[:, None]
-    _refuse(
+    refuse(
         "points",
         control & np.isfinite(points.sigma) & np.isnan(points.coordinates),
         COORDINATES,
@@ -282,26 +257,19 @@ def _check_points(points: Points) -> None:
     )
 
 
-def _check_index(table: str, index: Indices, size: int, column: str) -> None:
-    bad = (index < 0) | (index >= size)
-    if bad.any():
-        row = int(np.argmax(bad))
-        raise BlockError(table, f"index {int(index[row])} is outside 0..{size - 1}", row, column)
-
-
 def _check_observations(observations: ImageObservations, images: Images, points: Points) -> None:
     k = len(observations)
     if k == 0:
         raise BlockError("observations", "is empty")
-    _check_shape("observations", "image", observations.image, (k,))
-    _check_shape("observations", "point", observations.point, (k,))
-    _check_shape("observations", "xy", observations.xy, (k, 2))
-    _check_shape("observations", "sigma", observations.sigma, (k, 2))
-    _check_index("observations", observations.image, len(images), "image_id")
-    _check_index("observations", observations.point, len(points), "point_id")
-    _refuse("observations", ~np.isfinite(observations.xy), ("x_mm", "y_mm"), observations.xy, "must be finite")
+    check_shape("observations", "image", observations.image, (k,))
+    check_shape("observations", "point", observations.point, (k,))
+    check_shape("observations", "xy", observations.xy, (k, 2))
+    check_shape("observations", "sigma", observations.sigma, (k, 2))
+    check_index("observations", observations.image, len(images), "image_id")
+    check_index("observations", observations.point, len(points), "point_id")
+    refuse("observations", ~np.isfinite(observations.xy), ("x_mm", "y_mm"), observations.xy, "must be finite")
     bad_sigma = ~(np.isfinite(observations.sigma) & (observations.sigma > 0.0))
-    _refuse("observations", bad_sigma, ("sigma_x_mm", "sigma_y_mm"), observations.sigma, "must be finite and > 0")
+    refuse("observations", bad_sigma, ("sigma_x_mm", "sigma_y_mm"), observations.sigma, "must be finite and > 0")
     pair = observations.image * len(points) + observations.point
     order = np.argsort(pair, kind="stable")
     twice = np.flatnonzero(np.diff(pair[order]) == 0)

@@ -1,4 +1,5 @@
-"""A block as a folder of four CSV files, and back, without losing a bit.
+"""A block as a folder of CSV files, and back, without losing a bit: four that every block has, others where further
+observations were made (simfield.further_files).
 
 Every float is written with the digits that read as the same float, angles in degrees (simfield.degrees), NaN as an
 empty field. What each column means, its unit and what an empty field says: docs/conventions.md. Other files in the
@@ -19,6 +20,7 @@ from typing import Any
 
 import numpy as np
 
+from simfield import further_files
 from simfield.block import (
     COORDINATES,
     EXTERIOR,
@@ -27,14 +29,12 @@ from simfield.block import (
     Block,
     BlockError,
     Camera,
-    Floats,
     ImageObservations,
     Images,
-    Indices,
     Points,
 )
-from simfield.csv_table import BlockFolderError, CsvTable, read_table, shown
-from simfield.degrees import degrees_text, radians_of
+from simfield.csv_table import BlockFolderError, CsvTable, number_columns, read_table, shown
+from simfield.degrees import degrees_text
 
 __all__ = ["COLUMNS", "BlockFolderError", "read_block", "write_block"]
 
@@ -63,26 +63,32 @@ def read_block(path: str | os.PathLike[str]) -> Block:
     if not folder.exists():
         raise BlockFolderError(folder, "does not exist, needed is a folder with cameras.csv, images.csv, ...")
     tables = {name: read_table(folder / f"{name}.csv", columns) for name, columns in COLUMNS.items()}
+    optional = further_files.read_tables(folder)
     try:
         return Block(
             _cameras(tables["cameras"]),
             _images(tables["images"], tables["cameras"]),
             _points(tables["points"]),
             _observations(tables["observations"], tables["images"], tables["points"]),
+            further_files.further(folder, optional, tables),
         )
     except BlockError as error:
-        raise tables[error.table].error(error.reason, error.row, error.column) from error
+        raise (tables | optional)[error.table].error(error.reason, error.row, error.column) from error
 
 
 def write_block(block: Block, path: str | os.PathLike[str]) -> None:
-    """Write a block into a folder, which is made if need be; of an existing folder only the four files are replaced.
+    """Write a block into a folder, which is made if need be; of an existing folder only the block's files are replaced.
 
     Each file is written under a temporary name, flushed to the disk and then renamed: none is ever seen half written.
-    Raises BlockFolderError if the folder cannot be written or an id cannot stand in a text file.
+    Raises BlockFolderError if the folder cannot be written, if an id cannot stand in a text file, and where a file of
+    further observations stands that this block does not have: it would be read with the block.
     """
     folder = Path(path)
     _check_ids(folder, block)
     texts = {name: _csv_text(COLUMNS[name], columns) for name, columns in _columns(block).items()}
+    further_columns = further_files.columns(block)
+    further_files.refuse_strangers(folder, further_columns)
+    texts |= {name: _csv_text(further_files.COLUMNS[name], columns) for name, columns in further_columns.items()}
     unique = secrets.token_hex(4)
     temporary = {folder / f"{name}.csv": folder / f".{name}.csv.{unique}.tmp" for name in texts}
     with _one_line(folder):
@@ -108,8 +114,8 @@ def _images(table: CsvTable, cameras: CsvTable) -> Images:
     positions = [table.numbers(name, may_be_empty=True) for name in POSITIONS]
     return Images(
         table.columns["image_id"],
-        _lookup(table, "camera_id", cameras),
-        np.stack([*positions, *(_radians(table, name) for name in ANGLES)], axis=1),
+        table.rows_of("camera_id", cameras),
+        np.stack([*positions, *(table.radians(name) for name in ANGLES)], axis=1),
     )
 
 
@@ -130,27 +136,11 @@ def _points(table: CsvTable) -> Points:
 def _observations(table: CsvTable, images: CsvTable, points: CsvTable) -> ImageObservations:
     x, y, sigma_x, sigma_y = (table.numbers(name) for name in COLUMNS["observations"][2:])
     return ImageObservations(
-        _lookup(table, "image_id", images),
-        _lookup(table, "point_id", points),
+        table.rows_of("image_id", images),
+        table.rows_of("point_id", points),
         np.stack([x, y], axis=1),
         np.stack([sigma_x, sigma_y], axis=1),
     )
-
-
-def _radians(table: CsvTable, column: str) -> Floats:
-    table.numbers(column, may_be_empty=True)  # refuses what is not a number, with its place
-    return np.array([radians_of(text.strip()) for text in table.columns[column]])
-
-
-def _lookup(table: CsvTable, column: str, other: CsvTable) -> Indices:
-    """The rows of another table that a column of ids names; its ids have the same column name there."""
-    rows = other.index(column)
-    names = table.columns[column]
-    found = np.array([rows.get(name, -1) for name in names], dtype=np.intp)
-    if (found < 0).any():
-        row = int(np.argmin(found))
-        raise table.error(f"{shown(names[row])} is not in {other.path.name}", row, column)
-    return found
 
 
 def _columns(block: Block) -> dict[str, list[Iterable[Any]]]:
@@ -162,22 +152,16 @@ def _columns(block: Block) -> dict[str, list[Iterable[Any]]]:
         "images": [
             images.ids,
             [camera_ids[i] for i in images.camera.tolist()],
-            *_number_columns(images.exterior[:, :3]),
+            *number_columns(images.exterior[:, :3]),
             *(map(degrees_text, column) for column in images.exterior[:, 3:].T.tolist()),
         ],
-        "points": [points.ids, points.role.tolist(), *_number_columns(points.coordinates, points.sigma)],
+        "points": [points.ids, points.role.tolist(), *number_columns(points.coordinates, points.sigma)],
         "observations": [
             [images.ids[i] for i in observations.image.tolist()],
             [points.ids[i] for i in observations.point.tolist()],
-            *_number_columns(observations.xy, observations.sigma),
+            *number_columns(observations.xy, observations.sigma),
         ],
     }
-
-
-def _number_columns(*arrays: Floats) -> Iterator[list[float | str]]:
-    """The columns of arrays (n, ...), NaN as an empty text; csv writes a float with the digits of its repr."""
-    for column in np.concatenate(arrays, axis=1).T.tolist():
-        yield ["" if value != value else value for value in column]
 
 
 def _csv_text(header: Sequence[str], columns: Iterable[Iterable[Any]]) -> str:
@@ -190,12 +174,18 @@ def _csv_text(header: Sequence[str], columns: Iterable[Iterable[Any]]) -> str:
 
 def _check_ids(folder: Path, block: Block) -> None:
     """Refuse an id that would not come back from the file."""
-    ids = {"cameras": block.camera_ids, "images": block.images.ids, "points": block.points.ids}
-    for table, names in ids.items():
+    ids = {
+        ("cameras", "camera_id"): block.camera_ids,
+        ("images", "image_id"): block.images.ids,
+        ("points", "point_id"): block.points.ids,
+        ("strips", "strip_id"): block.further.strips.ids,
+        ("ap_priors", "parameter"): block.further.ap_priors.names,
+    }
+    for (table, column), names in ids.items():
         for row, name in enumerate(names):
             if len(name) > LONGEST_ID or UNWRITABLE.search(name):
                 reason = f"{shown(name)} cannot be written: NUL, CR, a lone surrogate or over {LONGEST_ID} characters"
-                raise BlockFolderError(folder / f"{table}.csv", reason, row + 2, COLUMNS[table][0])
+                raise BlockFolderError(folder / f"{table}.csv", reason, row + 2, column)
 
 
 def _write(file: Path, text: str) -> None:

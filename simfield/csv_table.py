@@ -19,7 +19,8 @@ from pathlib import Path
 
 import numpy as np
 
-from simfield.block import Floats
+from simfield.degrees import radians_of
+from simfield.table_checks import Floats, Indices
 
 LONGEST_LINE = 1_000_000
 LONGEST_REASON = 400
@@ -86,6 +87,30 @@ class CsvTable:
             if (first := rows.setdefault(name, row)) != row:
                 raise self.error(f"{shown(name)} stands already in row {self.lines[first]}", row, column)
         return rows
+
+    def radians(self, column: str) -> Floats:
+        """The angles of a column in degrees, rad, NaN where it is empty. Raises BlockFolderError as `numbers`."""
+        self.numbers(column, may_be_empty=True)  # refuses what is not a number, with its place
+        return np.array([radians_of(text.strip()) for text in self.columns[column]])
+
+    def rows_of(self, column: str, other: CsvTable, named: str = "") -> Indices:
+        """The rows of another table that a column of ids names; `named` is its column there, the same if empty.
+
+        Raises BlockFolderError for an id that is not there.
+        """
+        rows = other.index(named or column)
+        names = self.columns[column]
+        found = np.array([rows.get(name, -1) for name in names], dtype=np.intp)
+        if (found < 0).any():
+            row = int(np.argmin(found))
+            raise self.error(f"{shown(names[row])} is not in {other.path.name}", row, column)
+        return found
+
+
+def number_columns(*arrays: Floats) -> Iterator[list[float | str]]:
+    """The columns of arrays (n, ...), NaN as an empty text; csv writes a float with the digits of its repr."""
+    for column in np.concatenate(arrays, axis=1).T.tolist():
+        yield ["" if value != value else value for value in column]
 
 
 def read_table(path: Path, names: Sequence[str]) -> CsvTable:

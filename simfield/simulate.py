@@ -106,7 +106,12 @@ class World:
 
 
 def simulate(scenario: Scenario, seed: int, trial: int = 0) -> tuple[Block, Truth]:
-    """Fly a scenario and measure its images: the block that a surveyor would hand over, and the truth behind it."""
+    """Fly a scenario and measure its images: the block that a surveyor would hand over, and the truth behind it.
+
+    The geometry hangs on the scenario and the seed, the errors on the seed and the trial (0 to 2^32 - 1). Frames, signs
+    and units are those of docs/conventions.md. Raises CountError where the published counts of the scenario cannot be
+    reached, DistortionError where an effect cannot be solved, and ValueError for an impossible trial.
+    """
     return build_world(scenario, seed).observe(trial)
 
 

@@ -104,13 +104,19 @@ class Truth:
 
 
 def write_truth(truth: Truth, path: Path | str) -> None:
-    """Write truth.json, at the path or into the folder that it names."""
+    """Write truth.json, at the path or into the folder that it names.
+
+    Raises OSError where it cannot be written, ValueError for an effect that is none of simfield.effects.
+    """
     path = Path(path)
     (path / "truth.json" if path.is_dir() else path).write_text(truth.to_json(), encoding="utf-8")
 
 
 def read_truth(path: Path | str) -> Truth:
-    """Read truth.json, at the path or from the folder that it names."""
+    """Read truth.json, at the path or from the folder that it names.
+
+    Raises OSError if there is none, ValueError or KeyError where it is not one that `write_truth` wrote.
+    """
     path = Path(path)
     return Truth.from_json((path / "truth.json" if path.is_dir() else path).read_text(encoding="utf-8"))
 

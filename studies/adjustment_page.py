@@ -11,7 +11,7 @@ import numpy as np
 from adjust import Adjustment
 from adjust.adjustment import correlations
 from adjust.significance import finer_sets
-from adjust.unknowns import EXTERIOR_NAMES
+from adjust.unknowns import EXTERIOR_NAMES, POINT_NAMES
 from simfield.block import COORDINATES, EXTERIOR, Floats
 from studies.measures import geodetic_deviations
 
@@ -135,7 +135,10 @@ def orientation_names(a: Adjustment) -> list[dict[str, str]]:
     """Owner and name of every orientation unknown, in the layout of x."""
     images = [{"owner": image, "name": name} for image in a.block.images.ids for name in EXTERIOR_NAMES]
     sets = [{"owner": s.id, "name": name} for s in a.layout.sets for name in s.model.parameters]
-    return images + sets
+    further = [{"owner": owner, "name": name} for owner, name in a.layout.further]
+    ids = a.block.points.ids
+    tied = [{"owner": ids[at // 3], "name": POINT_NAMES[at % 3]} for at in a.layout.coupled.tolist()]
+    return images + sets + further + tied
 
 
 def _table(a: Adjustment, ids: Sequence[str], names: Sequence[str], values: Floats, std: Floats) -> Record:

@@ -7,15 +7,17 @@ or did not end is taken to `isolation`, which finds the trial that did it; every
 from __future__ import annotations
 
 import contextlib
+import logging
 import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from studies.block_task import BlockTask
+from studies.block_task import BlockTask, Done
+from studies.worker import prepare
 
-Work = Callable[[BlockTask], int]
-"""computes a block, writes its shard, and returns the number of its trials"""
+Work = Callable[[BlockTask], Done]
+"""computes a block and writes its shard"""
 
 LOST_SCHEDULER_S = 20.0
 LOOK_EVERY_S = 0.1
@@ -38,7 +40,7 @@ def task_limit_s(task: BlockTask, trial_limit_s: float) -> float:
     return trial_limit_s * (2.0 + len(task) * len(task.methods) / 1000.0)
 
 
-def here(tasks: Sequence[BlockTask], work: Work) -> Iterator[int | Broken]:
+def here(tasks: Sequence[BlockTask], work: Work) -> Iterator[Done | Broken]:
     """One after the other in this process: for tests and small studies; nothing watches over it."""
     for task in tasks:
         yield work(task)
@@ -46,7 +48,7 @@ def here(tasks: Sequence[BlockTask], work: Work) -> Iterator[int | Broken]:
 
 def joblib_processes(
     tasks: Sequence[BlockTask], work: Work, jobs: int, trial_limit_s: float, done: Callable[[BlockTask], bool]
-) -> Iterator[int | Broken]:
+) -> Iterator[Done | Broken]:
     """In processes of this machine; after a break the pool is started anew without the blocks under suspicion."""
     from concurrent.futures.process import BrokenProcessPool
 
@@ -57,7 +59,7 @@ def joblib_processes(
         limit = max(task_limit_s(task, trial_limit_s) for task in left)
         parallel: Any = Parallel(
             n_jobs=jobs, backend="loky", return_as="generator_unordered", batch_size=1, pre_dispatch="2*n_jobs",
-            timeout=limit,
+            timeout=limit, initializer=prepare,
         )  # fmt: skip
         finished = parallel(delayed(work)(task) for task in left)
         try:
@@ -88,17 +90,25 @@ def _kill_pool() -> None:
 
 def dask_cluster(
     tasks: Sequence[BlockTask], work: Work, scheduler: str, trial_limit_s: float
-) -> Iterator[int | Broken]:
+) -> Iterator[Done | Broken]:
     """On a running dask cluster. Raises BackendError if there is none or its scheduler is lost."""
     try:
         import distributed
     except ImportError:
         raise BackendError("--backend dask needs the extra `cluster`: pip install 'simfield[cluster]'") from None
     client_of: Any = distributed.Client
-    try:
-        client: Any = client_of(scheduler, timeout=10, set_as_default=False)
-    except (OSError, TimeoutError, ValueError) as error:
-        raise BackendError(f"no dask scheduler at {scheduler}: {str(error).splitlines()[0]}") from None
+    with _without_its_log():
+        try:
+            client: Any = client_of(scheduler, timeout=10, set_as_default=False)
+        except (OSError, TimeoutError, ValueError) as error:
+            raise BackendError(f"no dask scheduler at {scheduler}: {str(error).splitlines()[0]}") from None
+        yield from _answers(client, tasks, work, scheduler, trial_limit_s)
+
+
+def _answers(
+    client: Any, tasks: Sequence[BlockTask], work: Work, scheduler: str, trial_limit_s: float
+) -> Iterator[Done | Broken]:
+    """What a connected cluster gives; the client is closed at the end."""
     try:
         waiting = client.map(work, tasks, pure=False, retries=1, batch_size=None)
         by_key = dict(zip((f.key for f in waiting), tasks, strict=True))
@@ -126,11 +136,27 @@ def dask_cluster(
             client.close(timeout=5)
 
 
-def _outcome(future: Any, task: BlockTask) -> int | Broken:
+@contextlib.contextmanager
+def _without_its_log() -> Iterator[None]:
+    """What dask logs on a lost connection are tracebacks; we say it in a line."""
+    loggers = [logging.getLogger(name) for name in ("distributed", "distributed.client", "tornado", "asyncio")]
+    before = [logger.level for logger in loggers]
+    for logger in loggers:
+        logger.setLevel(logging.CRITICAL + 1)
+    try:
+        yield
+    finally:
+        for logger, level in zip(loggers, before, strict=True):
+            logger.setLevel(level)
+
+
+def _outcome(future: Any, task: BlockTask) -> Done | Broken:
     from distributed.scheduler import KilledWorker
 
     if future.status == "finished":
-        return len(task)  # the shard is on the disk; to fetch a result from a worker that has died would take for ever
+        return Done.of(
+            task
+        )  # the shard is on the disk; to fetch a result from a worker that has died would take for ever
     try:
         error = future.exception(timeout=LOST_SCHEDULER_S)
     except TimeoutError:

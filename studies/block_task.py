@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
@@ -9,20 +10,25 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
-from simfield.block import BlockError, Floats
+from simfield.block import Floats
+from simfield.draws import WIDTH
 from simfield.measurement import CountError
-from simfield.simulate import World, build_world
+from simfield.simulate import World
 from studies.conditions import Condition
+from studies.drawn_trials import DrawnTrials, image_points, put, repeated
 from studies.methods import Method
 from studies.store import NOMINAL, Store
 
 if TYPE_CHECKING:
-    from studies.parts import Part
+    from studies.geometry import Prepared
 
 Draw = Callable[[World, Sequence[int]], Floats]
+"""draws trials as `drawn_trials.image_points` does"""
 Columns = dict[str, npt.NDArray[Any]]
 BEFORE = "|"
 """stands between method and quantity in a column's name"""
+_alone = threading.Lock()
+"""a worker of a cluster may have several threads; the number of BLAS threads is the whole process's"""
 
 
 @dataclass(frozen=True)
@@ -44,14 +50,20 @@ class BlockTask:
         return self.condition.id, self.block
 
 
-def image_points(world: World, trials: Sequence[int]) -> Floats:
-    """(t, k, 2) measured image coordinates of some trials, mm: the one place where trials are drawn."""
-    runs = np.split(np.asarray(trials), np.flatnonzero(np.diff(trials) != 1) + 1)
-    return np.concatenate([world.draws(int(run[0]), int(run[-1]) + 1)[:] for run in runs])
+@dataclass(frozen=True)
+class Done:
+    """A block of so many trials of this condition is computed."""
+
+    condition_id: str
+    trials: int
+
+    @classmethod
+    def of(cls, task: BlockTask) -> Done:
+        return cls(task.condition.id, len(task))
 
 
-def run_task(store: Store, draw: Draw, task: BlockTask) -> int:
-    """Compute a block and write its shard; the number of its trials. Raises OSError where it cannot be written."""
+def run_task(store: Store, draw: Draw, task: BlockTask) -> Done:
+    """Compute a block and write its shard. Raises OSError where it cannot be written."""
     from studies.worker import prepare
 
     prepare()
@@ -61,76 +73,95 @@ def run_task(store: Store, draw: Draw, task: BlockTask) -> int:
         if reasons:
             store.mark_reasons(task.condition.id, reasons)
     store.write_shard(task.condition.id, task.block, columns)
-    return len(task)
+    return Done.of(task)
 
 
 def compute(task: BlockTask, draw: Draw = image_points) -> tuple[Columns, Columns, dict[str, str]]:
-    """The columns of a block, the nominal columns of its condition, and why methods have none."""
-    from threadpoolctl import threadpool_limits
+    """The columns of a block, with block 0 the nominal columns of its condition, and why methods have none."""
+    from adjust.one_thread import one_thread
+    from studies.geometry import geometry_of
+    from studies.trial_columns import nominal_columns
 
-    with threadpool_limits(1):  # two threads would change the last bits
+    with _alone, one_thread():  # two threads would change the last bits
         try:
-            world = build_world(task.condition.scenario, task.condition.seed)
+            geometry = geometry_of(task.condition)
         except (CountError, ArithmeticError, ValueError) as error:
             nothing = {m.key: _nothing(task) for m in task.methods}
             return _flat(nothing), _flat({}), dict.fromkeys(nothing, str(error))
-        xy, given, undrawn = _drawn(world, task, draw)
+        tiles, given, undrawn = _drawn(geometry.world, task, draw)
         trials, nominal, reasons = {}, {}, {}
-        rays: dict[tuple[str, bool], Floats] = {}
         for method in task.methods:
             try:
-                trials[method.key], nominal[method.key] = _adjusted(world, method, xy, given, rays)
-            except (BlockError, ValueError) as error:
+                prepared = geometry.prepared(method)
+                trials[method.key] = _adjusted(prepared, tiles, given, len(task))
+                if task.block == 0:
+                    nominal[method.key] = dict(nominal_columns(prepared.chord.nominal, prepared.tracked))
+            except ValueError as error:
                 trials[method.key], reasons[method.key] = _nothing(task), str(error)
             _blot_out(trials[method.key], task, {**task.lost, **undrawn})
     return _flat(trials), _padded(_flat(nominal)), reasons
 
 
-def _drawn(world: World, task: BlockTask, draw: Draw) -> tuple[Floats, Floats, dict[int, str]]:
-    """Image points (t, k, 2) mm, given coordinates (t, n, 3) m, and the trials that cannot be drawn.
+def _drawn(world: World, task: BlockTask, draw: Draw) -> tuple[Floats, Floats | None, dict[int, str]]:
+    """Image points (tiles, k, 2, 8) mm, given coordinates (t, n, 3) m, and the trials that cannot be drawn.
 
     Lost trials are replaced by the world without noise. They keep their place, so that no other trial changes its
     neighbours in the computation.
     """
-    kept = [trial for trial in range(task.first, task.stop) if trial not in task.lost]
-    rows = [trial - task.first for trial in kept]
-    xy = np.repeat(world.distorted[None], len(task), axis=0)
+    everyone = range(task.first, task.stop)
+    kept: Sequence[int] = [t for t in everyone if t not in task.lost] if task.lost else everyone
+    undrawn: dict[int, str] = {}
+    try:
+        tiles = _placed(world, task, kept, draw)
+    except (ArithmeticError, ValueError):  # such as a film deformation that is too steep
+        drawable = [trial for trial in kept if _can_be_drawn(world, draw, trial)]
+        undrawn = {trial: "undrawn" for trial in kept if trial not in drawable}
+        tiles = _placed(world, task, drawable, draw)
+    return tiles, _given(world, kept, task), undrawn
+
+
+def _placed(world: World, task: BlockTask, trials: Sequence[int], draw: Draw) -> Floats:
+    """Trials in their places of a block, the world without noise in all others."""
+    if len(trials) == len(task):
+        return draw(world, trials)
+    tiles = repeated(world.distorted, len(task))
+    if trials:
+        drawn = draw(world, trials)
+        for number, trial in enumerate(trials):
+            put(tiles, [trial - task.first], drawn[number // WIDTH, :, :, number % WIDTH][None])
+    return tiles
+
+
+def _can_be_drawn(world: World, draw: Draw, trial: int) -> bool:
+    try:
+        draw(world, [trial])
+    except (ArithmeticError, ValueError):
+        return False
+    return True
+
+
+def _given(world: World, trials: Sequence[int], task: BlockTask) -> Floats | None:
+    """(t, n, 3) coordinates that the surveyor gave in every trial, those of lost trials true, m; None where the survey
+    is without errors.
+    """
+    if world.scenario.noise.geodetic_mm == 0.0:
+        return None
     given = np.repeat(world.field.coordinates[world.place][None], len(task), axis=0)
-    undrawn = {}
-    if kept:
-        try:
-            xy[rows] = draw(world, kept)
-        except (ArithmeticError, ValueError):  # such as a film deformation that is too steep
-            undrawn = _draw_one_by_one(world, draw, task.first, kept, xy)
-        given[rows] = np.stack([world.given_coordinates(trial) for trial in kept])
-    return xy, given, undrawn
-
-
-def _draw_one_by_one(world: World, draw: Draw, first: int, trials: Sequence[int], xy: Floats) -> dict[int, str]:
-    undrawn = {}
     for trial in trials:
-        try:
-            xy[trial - first] = draw(world, [trial])[0]
-        except (ArithmeticError, ValueError):
-            undrawn[trial] = "undrawn"
-    return undrawn
+        given[trial - task.first] = world.given_coordinates(trial)
+    return given
 
 
-def _adjusted(
-    world: World, method: Method, xy: Floats, given: Floats, rays: dict[tuple[str, bool], Floats]
-) -> tuple[Columns, Columns]:
-    """The columns of a method's trials and its nominal columns; `rays` keeps the image points of parts seen before."""
-    from adjust.replicates import adjust_replicates
-    from studies.parts import Part
-    from studies.trial_columns import nominal_columns, trial_columns
+def _adjusted(prepared: Prepared, tiles: Floats, given: Floats | None, count: int) -> Columns:
+    """The columns of a method's trials."""
+    from adjust.replicates import adjust_prepared
+    from studies.trial_columns import trial_columns
 
-    part: Part = Part.of(world, method)
-    which = (method.cameras, method.aux_points)
-    if which not in rays:
-        rays[which] = xy if len(part.rays) == xy.shape[1] else np.take(xy, part.rays, axis=1)
-    own_given = given[:, part.points]
-    replicates = adjust_replicates(part.block, method.ap_model(), rays[which], coordinates=own_given)
-    return dict(trial_columns(replicates, part, own_given)), dict(nominal_columns(replicates.nominal, part))
+    part = prepared.part
+    own = None if given is None else given[:, part.points]
+    replicates = adjust_prepared(prepared.chord, DrawnTrials(tiles, count, part.rays), coordinates=own)
+    of_all = part.block.points.coordinates[None] if own is None else own
+    return dict(trial_columns(replicates, part, prepared.tracked, of_all))
 
 
 def _nothing(task: BlockTask) -> Columns:

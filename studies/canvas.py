@@ -6,8 +6,11 @@ Colours are those of Okabe & Ito 2008, which people with colour-blindness can te
 
 from __future__ import annotations
 
+import io
+import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
+from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -34,9 +37,12 @@ STYLE: Any = {
     "lines.linewidth": 1.4,
     "svg.hashsalt": "simfield",
     "svg.fonttype": "path",
+    "text.parse_math": False,  # a name with two dollar signs is a name, not a formula
 }
 RASTER_DPI = 150
 MILLIMETRE = 1.0 / 25.4
+MOST_LABEL, MOST_ALTERNATIVE = 60, 600
+"""characters of a label, and of an alternative text"""
 
 
 @contextmanager
@@ -57,9 +63,43 @@ def new_figure(width_mm: float, height_mm: float) -> Figure:
     return Figure(figsize=(width_mm * MILLIMETRE, height_mm * MILLIMETRE), layout="constrained")
 
 
-def save(figure: Figure, path: Path) -> list[Path]:
-    """Write path.svg and path.png; the files."""
+def save(figure: Figure, path: Path, title: str = "", says: str = "") -> list[Path]:
+    """Write path.svg, with title and says as alternative text, and path.png; the files."""
     vector, raster = path.with_name(path.name + ".svg"), path.with_name(path.name + ".png")
-    figure.savefig(vector, metadata={"Date": None, "Creator": None})
-    figure.savefig(raster, metadata={"Software": None}, dpi=RASTER_DPI)
+    vector.write_text(svg(figure, title, says), encoding="utf-8")
+    with _missing_glyphs_as_boxes():
+        figure.savefig(raster, metadata={"Software": None}, dpi=RASTER_DPI)
     return [vector, raster]
+
+
+def svg(figure: Figure, title: str = "", says: str = "") -> str:
+    """The figure as an SVG file; who cannot see it is told the title, and says describes what it shows."""
+    stream = io.BytesIO()
+    with _missing_glyphs_as_boxes():
+        figure.savefig(stream, format="svg", metadata={"Date": None, "Creator": None})
+    text = stream.getvalue().decode()
+    if not title:
+        return text
+    label = escape(literal(title, MOST_ALTERNATIVE))
+    start = text.index("<svg ")
+    end = text.index(">", start)
+    told = f"\n <title>{label}</title>\n <desc>{escape(literal(says, MOST_ALTERNATIVE))}</desc>"
+    return f'{text[:end]} role="img" aria-label="{label}">{told}{text[end + 1 :]}'
+
+
+def literal(text: str, most: int = MOST_LABEL) -> str:
+    """A user's text as a label: one line, no control characters, not endless."""
+    line = " ".join(text.split())
+    shown = "".join(c if c.isprintable() else "\ufffd" for c in line)
+    if shown.startswith("_"):  # matplotlib leaves such labels out of legends
+        shown = f" {shown}"
+    return shown if len(shown) <= most else shown[: most - 1] + "…"
+
+
+@contextmanager
+def _missing_glyphs_as_boxes() -> Iterator[None]:
+    """The font shows a box for a character that it has not; that is no reason for a warning."""
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", message="Glyph .* missing from")
+        warnings.filterwarnings("ignore", message="Matplotlib currently does not support")
+        yield

@@ -154,7 +154,8 @@ def _is_parameter(name: str) -> bool:
 
 
 def _column(table: Measured, number: int) -> Measured:
-    return Measured(table.estimate[[number]], table.mcse[[number]], table.influence[:, [number]])
+    own = slice(number, number + 1)
+    return Measured(table.estimate[own], table.mcse[own], table.influence[:, own])
 
 
 def unit(measure: str) -> str:

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any, NoReturn
 
 import click
 
-from studies import cli_chain, cli_studies, installation
+from studies import cli_chain, cli_quality, cli_report, cli_studies, cli_teach, installation
 
 if TYPE_CHECKING:
     from adjust import Adjustment, ApModel
@@ -65,6 +65,9 @@ def main(ctx: click.Context) -> None:
 
 cli_studies.register(main)
 cli_chain.register(main)
+cli_quality.register(main)
+cli_report.register(main)
+cli_teach.register(main)
 
 
 @main.command()
@@ -138,6 +141,12 @@ def reproduce(what: str, out: Path | None, trials: int, jobs: int | None, seed: 
     help="What ties the block to its frame: its control, seven coordinates, or inner constraints (a free network).",
 )
 @click.option(
+    "--leave-out",
+    type=click.Choice(["stations", "distances", "height_differences", "ap_priors"]),
+    multiple=True,
+    help="Further observations of the folder that are not used; may be given more than once.",
+)
+@click.option(
     "--ap-by",
     type=click.Choice(["camera", "flight", "strip", "image"]),
     default="camera",
@@ -151,9 +160,10 @@ def adjust(
     json_path: str | None,
     out: Path | None,
     datum: str,
+    leave_out: tuple[str, ...],
     ap_by: ApBy,
 ) -> None:
-    """Adjust a block folder by bundles with self-calibration."""
+    """Adjust a block folder by bundles with self-calibration, with all further observations that are in it."""
     from adjust import adjust_block
     from adjust.datum import ByControl, InnerConstraints, MinimumControl
     from simfield.block_folder import BlockFolderError, read_block
@@ -166,8 +176,9 @@ def adjust(
         raise Failure(str(error)) from error
     tied = {"control": ByControl, "minimum": MinimumControl, "inner": InnerConstraints}[datum]()
     try:
+        block = block.without(*leave_out) if leave_out else block
         a = adjust_block(block, model, datum=tied, ap_by=ap_by)
-    except ValueError as error:
+    except ValueError as error:  # what the folder states does not fit the model
         raise Failure(str(error)) from error
     if json_path is not None:
         _write_json(adjustment_page.record(a), json_path)

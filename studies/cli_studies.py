@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 FOLDER = click.Path(file_okay=False, path_type=Path)
 STORE = click.Path(exists=True, file_okay=False, path_type=Path)
 LOCKED = 75
-SECONDS_AN_ADJUSTMENT = 9e-8
+SECONDS_AN_ADJUSTMENT = 2e-8
 """expected time of one adjusted trial for each image point, measured on one core of 2026 with blocks of 3300 of them"""
 
 
@@ -129,10 +129,11 @@ def _run(asked: Study, folder: Path, options: dict[str, Any], trial_limit: float
     how = How(**{k: v for k, v in options.items() if v is not None}, jobs=jobs, trial_limit_s=trial_limit)
     bars: list[Any] = []
 
-    def count(done: int, of: int) -> None:
+    def count(done: int, of: int, open_conditions: int) -> None:
         if not bars:
             bars.append(progress_bar(of, " trials"))
         bars[0].total = of
+        bars[0].set_postfix_str(f"{open_conditions} conditions left", refresh=False)
         bars[0].update(done - bars[0].n)
 
     try:

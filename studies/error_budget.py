@@ -18,6 +18,7 @@ from simfield.chain.machine import Comparator, Errors
 from simfield.noise import Noise
 from simfield.scenario import Scenario
 from simfield.simulate import World, build_world
+from studies import performance
 from studies.measured_trials import MeasuredTrials
 from studies.reduction import Plan, reduce
 
@@ -77,7 +78,8 @@ def stages(budget: Budget) -> Mapping[str, tuple[Scenario, Chain]]:
 def table(budget: Budget, trials: int, seed: int, report: Callable[[int], object] = lambda _: None) -> pd.DataFrame:
     """A line a stage: put_in_um and left_um before and after the reductions (rms of a coordinate after the best rigid
     placement of each image), taken_out_um the root of the difference of their squares (negative: the reductions add),
-    ap_um taken up by the model, residual_um (rms), m0_um, mu_xy_mm (2-D), mu_z_mm, and n trials.
+    ap_um taken up by the model, residual_um (rms), m0_um, mu_xy_mm (2-D), mu_z_mm with their Monte-Carlo
+    standard errors (_mcse), n trials and failures.
     """
     lines = []
     for name, (scenario, chain) in stages(budget).items():
@@ -141,11 +143,18 @@ def _figures(
         "left_um": left,
         "ap_um": 1000.0 * float(np.sqrt(np.mean(absorbed**2))),
         "residual_um": float(np.sqrt(np.mean(r.m0_um[r.ok] ** 2) * r.nominal.redundancy / r.nominal.observations)),
-        "m0_um": float(np.mean(r.m0_um[r.ok])),
-        "mu_xy_mm": float(np.mean(np.hypot(*np.sqrt(np.mean(deviations[:, :, :2] ** 2, axis=1)).T))),
-        "mu_z_mm": float(np.mean(np.sqrt(np.mean(deviations[:, :, 2] ** 2, axis=1)))),
+        **_mean("m0_um", r.m0_um[r.ok]),
+        **_mean("mu_xy_mm", np.hypot(*np.sqrt(np.mean(deviations[:, :, :2] ** 2, axis=1)).T)),
+        **_mean("mu_z_mm", np.sqrt(np.mean(deviations[:, :, 2] ** 2, axis=1))),
         "n": int(r.ok.sum()),
+        "failures": int(np.sum(~r.ok)),
     }
+
+
+def _mean(name: str, values: Floats) -> dict[str, float]:
+    """The mean over trials and its Monte-Carlo standard error."""
+    found = performance.mean(np.asarray(values)[:, None])
+    return {name: float(found.estimate[0]), f"{name}_mcse": float(found.mcse[0])}
 
 
 def _squares_beyond_rigid(measured: Floats, world: World) -> Floats:

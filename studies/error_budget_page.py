@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+import time
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -14,6 +16,7 @@ from simfield.chain import chains
 from studies.canvas import BLUE, GREEN, GREY, ORANGE, VERMILION, house_style, new_figure, save
 from studies.error_budget import EVERYTHING, Budget, table
 from studies.progress import progress_bar
+from studies.provenance import provenance
 from studies.reduction import Plan
 from studies.tables import markdown, write_csv
 
@@ -22,14 +25,24 @@ if TYPE_CHECKING:
 
 SCENARIO, CHAIN, MODEL = "rheidt-1980-film", "psk-1969", "brown14"
 STAGES = 11
+SAYS = (
+    "Error budget, stage by stage",
+    "Left: squares of image coordinates that each stage of the measurement chain puts in, split into what reductions "
+    "take out, what parameters take up, and what stays in the residuals. Right: errors left at the check points.",
+)
+"""title and description of the figure"""
 FORMATS = {
     **dict.fromkeys(("put_in_um", "taken_out_um", "left_um", "ap_um", "residual_um", "m0_um"), ".2f"),
     **dict.fromkeys(("mu_xy_mm", "mu_z_mm"), ".1f"),
+    **dict.fromkeys(("m0_um_mcse", "mu_xy_mm_mcse", "mu_z_mm_mcse"), ".3f"),
 }
+WITH_ERROR = {"m0_um": 3, "mu_xy_mm": 2, "mu_z_mm": 2}
+"""means over trials, and the digits that they and their standard errors get"""
 
 
 def write(folder: Path, trials: int, seed: int) -> list[Path]:
     """Compute the budget of 1980 (Helmert transformation on the fiducials, model brown14) and write it; the files."""
+    started = time.monotonic()
     folder.mkdir(parents=True, exist_ok=True)
     budget = Budget(presets[SCENARIO], chains[CHAIN], Plan("helmert"), ap_models.get(MODEL))
     with progress_bar(STAGES, "stages of the chain") as bar:
@@ -41,8 +54,16 @@ def write(folder: Path, trials: int, seed: int) -> list[Path]:
         images, ground = figure.subplots(1, 2, sharey=True, width_ratios=(3, 2))
         draw_images(images, found)
         draw_ground(ground, found)
-        drawn = save(figure, folder / "budget")
-    return [folder / "budget.csv", folder / "report.md", *drawn]
+        drawn = save(figure, folder / "budget", *SAYS)
+    origin = provenance(command(trials, seed), {"trials": trials, "seed": seed}, time.monotonic() - started)
+    text = json.dumps(origin, indent=1, allow_nan=False) + "\n"
+    (folder / "provenance.json").write_text(text, encoding="utf-8")
+    return [folder / "budget.csv", folder / "report.md", *drawn, folder / "provenance.json"]
+
+
+def command(trials: int, seed: int) -> str:
+    """What computes the budget again."""
+    return f"simfield budget --trials {trials} --seed {seed}"
 
 
 def draw_images(axes: Axes, found: pd.DataFrame) -> None:
@@ -83,15 +104,24 @@ def page(found: pd.DataFrame, trials: int, seed: int) -> str:
     root = {name: float(np.sqrt((parts[name] ** 2).sum())) for name in ("left_um", "mu_xy_mm", "mu_z_mm")}
     return (
         "# Error budget of the measurement chain\n\n"
-        f"`simfield budget --trials {trials} --seed {seed}`: scenario {SCENARIO}, chain {CHAIN}, Helmert "
+        f"`{command(trials, seed)}`: scenario {SCENARIO}, chain {CHAIN}, Helmert "
         f"transformation on four fiducials, model {MODEL}, both cameras with auxiliary points; "
         "one stage at a time, then all together.\n\n"
-        f"{markdown(found, FORMATS)}\n"
+        f"{markdown(_with_errors(found), {k: v for k, v in FORMATS.items() if k not in WITH_ERROR})}\n"
         "put_in, left: rms of an image coordinate before and after the reductions, after the best rotation and shift "
         "of each image. taken_out: root of the difference of squares, negative where the reductions put in more than "
         "they take out (the fiducials' own errors). ap: rms of what the model took up. residual: rms of the "
-        "residuals.\n\n"
+        "residuals. Behind ± stands the Monte-Carlo standard error of a mean over n flights.\n\n"
         f"Root of the sum of squares of the single stages, and all together: left {root['left_um']:.1f} and "
         f"{together['left_um']:.1f} um, mu_xy {root['mu_xy_mm']:.1f} and {together['mu_xy_mm']:.1f} mm, mu_z "
-        f"{root['mu_z_mm']:.1f} and {together['mu_z_mm']:.1f} mm.\n\n![budget](budget.png)\n"
+        f"{root['mu_z_mm']:.1f} and {together['mu_z_mm']:.1f} mm.\n\n![Error budget, stage by stage](budget.svg)\n"
     )
+
+
+def _with_errors(found: pd.DataFrame) -> pd.DataFrame:
+    """The table with each mean and its standard error in one cell."""
+    shown = found.drop(columns=[f"{name}_mcse" for name in WITH_ERROR])
+    for name, digits in WITH_ERROR.items():
+        pairs = zip(found[name], found[f"{name}_mcse"], strict=True)
+        shown[name] = [f"{mean:.{digits}f} ± {error:.{digits}f}" for mean, error in pairs]
+    return shown

@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 
 POINT_UNIT_MM = 10.0
 HALF_FORMAT_MM = 115.0
+LINE = 30
+"""characters that fit below a heat map side by side"""
 DASHES: tuple[Any, ...] = ("-", (0, (5, 1.5)), (0, (1.5, 1.5)), (0, (5, 1.5, 1.5, 1.5)))
 
 
@@ -59,12 +61,13 @@ def radial_frame(axes: Axes, r0_mm: float) -> None:
     axes.set(xlabel="image radius, mm", ylabel="radial distortion, µm", xlim=(0, 150))
 
 
-def vectors(axes: Axes, field: VectorField, behind: VectorField, unit_um: float) -> None:
-    """Distortion vectors at image points with a legend in the paper's units, and others behind them in grey.
+def vectors(axes: Axes, field: VectorField, behind: VectorField | None, unit_um: float) -> None:
+    """Vectors of distortion or of residuals at image points with a legend in the paper's units, others behind in grey.
 
     A vector of unit_um is as long as one unit of the point grid.
     """
-    _arrows(axes, behind, unit_um, color=GREY, width=0.007)
+    if behind is not None:
+        _arrows(axes, behind, unit_um, color=GREY, width=0.007)
     _arrows(axes, field, unit_um, color=BLUE, width=0.005)
     edge = HALF_FORMAT_MM * np.array([-1.0, 1.0, 1.0, -1.0, -1.0])
     axes.plot(edge, np.roll(edge, 1), color=GREY, linewidth=0.7)
@@ -92,11 +95,24 @@ def correlation_matrix(axes: Axes, upper: Floats, lower: Floats, names: Sequence
     for i, j in zip(*np.nonzero(np.abs(both) >= 0.095), strict=True):
         dark = abs(both[i, j]) > 0.6
         text = f"{100 * both[i, j]:.0f}".replace("-", "−")
-        axes.text(j + 0.5, i + 0.5, text, ha="center", va="center", fontsize=5.5, color="white" if dark else BLACK)
+        axes.text(j + 0.5, i + 0.5, text, ha="center", va="center", fontsize=6.0, color="white" if dark else BLACK)
     axes.plot([0, size], [0, size], color=GREY, linewidth=0.7)
     axes.set(xlim=(0, size), ylim=(size, 0), aspect="equal")
-    axes.set_xticks(np.arange(size) + 0.5, names, fontsize=7)
+    axes.set_xticks(np.arange(size) + 0.5, names, fontsize=7, rotation=90 if sum(map(len, names)) > LINE else 0)
     axes.set_yticks(np.arange(size) + 0.5, names, fontsize=7)
+    axes.tick_params(length=0)
+    axes.spines[:].set_visible(False)
+    return mesh
+
+
+def correlation_rectangle(axes: Axes, values: Floats, rows: Sequence[str], columns: Sequence[str]) -> QuadMesh:
+    """Correlations of some unknowns (rows) with others (columns), values (rows, columns); the coloured mesh."""
+    mesh = axes.pcolormesh(values, cmap="PuOr", vmin=-1.0, vmax=1.0, edgecolors="white", linewidth=0.4)
+    axes.set(xlim=(0, len(columns)), ylim=(len(rows), 0))
+    axes.set_xticks(
+        np.arange(len(columns)) + 0.5, columns, fontsize=7, rotation=90 if sum(map(len, columns)) > LINE else 0
+    )
+    axes.set_yticks(np.arange(len(rows)) + 0.5, rows, fontsize=7)
     axes.tick_params(length=0)
     axes.spines[:].set_visible(False)
     return mesh

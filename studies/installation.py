@@ -7,7 +7,10 @@ from pathlib import Path
 
 MARKS = {"simfield": "block.py", "adjust": "bundle.py", "studies": "installation.py"}
 """a file of ours that an unrelated package of the same name has not"""
-LIBRARIES = ("numpy", "scipy", "pandas", "matplotlib", "joblib", "numba", "click", "pydantic", "tqdm", "threadpoolctl")
+LIBRARIES = (
+    *("numpy", "scipy", "pandas", "matplotlib", "joblib", "numba", "click", "pydantic", "tqdm", "threadpoolctl"),
+    *("pyarrow", "jinja2", "markdown-it-py"),
+)
 
 
 def home() -> Path:

@@ -14,7 +14,7 @@ from dataclasses import replace
 from multiprocessing.connection import Connection
 
 from studies.backends import BackendError, Broken, Work, task_limit_s
-from studies.block_task import BlockTask
+from studies.block_task import BlockTask, Done
 from studies.study import LANES
 
 Try = Callable[[BlockTask], object]
@@ -35,7 +35,7 @@ def compute_without_culprits(task: BlockTask, work: Work, attempt: Try, trial_li
     return lost
 
 
-def in_order(tasks: Sequence[BlockTask], work: Work, trial_limit_s: float) -> Iterator[int | Broken]:
+def in_order(tasks: Sequence[BlockTask], work: Work, trial_limit_s: float) -> Iterator[Done | Broken]:
     """One after the other in a single process beside this one, which is replaced when it dies or hangs."""
     left = list(tasks)
     while left:
@@ -73,9 +73,9 @@ def _broken(parts: Sequence[BlockTask], attempt: Try, trial_limit_s: float) -> l
     return [answer for answer in tried if isinstance(answer, Broken)]
 
 
-def _tried(attempt: Try, part: BlockTask) -> int:
+def _tried(attempt: Try, part: BlockTask) -> Done:
     attempt(part)
-    return len(part)
+    return Done.of(part)
 
 
 def _in_process(work: Callable[[BlockTask], object], task: BlockTask, limit_s: float) -> str | None:

@@ -134,8 +134,8 @@ def references(study: Study) -> dict[str, str]:
     return found
 
 
-def method_faults(study: Study, camera_ids: tuple[str, ...]) -> list[str]:
-    """A line for each fault of [methods]."""
+def method_faults(study: Study, camera_ids: tuple[str, ...] | None) -> list[str]:
+    """A line for each fault of [methods]; camera ids are compared with these, None where they are not known."""
     faults = [f"methods.{key}: unknown key{nearest(key, KEYS)}" for key in study.methods if key not in KEYS]
     if not study.methods.get("ap"):
         faults.append("methods.ap: is missing; a list of AP models, `simfield models` names them")
@@ -153,7 +153,7 @@ def method_faults(study: Study, camera_ids: tuple[str, ...]) -> list[str]:
     return faults
 
 
-def _level_faults(key: str, level: Any, camera_ids: tuple[str, ...]) -> list[str]:
+def _level_faults(key: str, level: Any, camera_ids: tuple[str, ...] | None) -> list[str]:
     if key == "ap":
         return _ap_faults(level)
     if key == "aux_points":
@@ -161,9 +161,13 @@ def _level_faults(key: str, level: Any, camera_ids: tuple[str, ...]) -> list[str
     if key == "cameras":
         if not isinstance(level, str):
             return [f': found {shown(level)}, allowed: "all" or camera ids joined by +']
+        if camera_ids is None:
+            return []
         unknown = [c for c in level.split("+") if level != ALL and c not in camera_ids]
         return [f": no camera {c!r}{nearest(c, camera_ids)}" for c in unknown]
     if key == "image_um" and isinstance(level, Mapping):
+        if camera_ids is None:
+            return []
         if set(level) != set(camera_ids) or not all(_is_positive(v) for v in level.values()):
             return [f": found {shown(level)}, allowed: a number > 0 for each of {', '.join(camera_ids)}"]
         return []

@@ -27,9 +27,8 @@ class Part:
     exterior: Floats
 
     @classmethod
-    def of(cls, world: World, method: Method) -> Part:
-        """Raises BlockError where the method leaves nothing that can be adjusted."""
-        whole = noise_free_block(world)
+    def of(cls, world: World, whole: Block, method: Method) -> Part:
+        """From a world and its noise-free block. Raises BlockError where the method leaves nothing to adjust."""
         kept_cameras = set(whole.camera_ids if method.cameras == ALL else method.cameras.split("+"))
         image = np.array([whole.camera_ids[c] in kept_cameras for c in whole.images.camera])
         point = np.ones(len(whole.points), dtype=bool)

@@ -16,12 +16,13 @@ import numpy as np
 from adjust import Adjustment
 from adjust.datum import MOTIONS, FreeAdjustment
 from adjust.gross_errors import Accused, Snooping, snoop
+from adjust.model_choice import aic, bic, leave_one_image_out
 from adjust.reliability import POWER, Reliability, familywise, noncentrality, tau_critical, w_critical
 from adjust.significance import ApSignificance, ap_significance, global_test
 from adjust.unknowns import POINT_NAMES
 from adjust.variance import groups_by_camera, variance_components
 from simfield.block import Floats
-from studies import adjustment_page
+from studies import adjustment_page, protocol_further
 from studies.advice import advice
 
 Record = dict[str, Any]
@@ -63,11 +64,14 @@ def record(a: Adjustment, findings: Findings | None = None) -> Record:
         "datum": datum(a),
         "global_test": _global_test(a),
         "groups": groups(findings),
+        "model_choice": model_choice(a),
         "ap_significance": {camera: _significance(s) for camera, s in findings.ap.items()},
         "reliability": reliability(findings),
-        "suspected": [_accused(each) for each in findings.snooping.accused],
+        "suspected": [_accused(a, each) for each in findings.snooping.accused],
         "search": _search(findings),
         "control": control(findings),
+        "further": protocol_further.observations(a, findings.reliability),
+        "biases": protocol_further.biases(a),
         "residuals_by_image": residuals_by_image(a),
         "residuals_by_radius": residuals_by_radius(a),
     }
@@ -107,7 +111,7 @@ def datum(a: Adjustment) -> Record:
             "further": [],
         }
     return {
-        "by": "control",
+        "by": "control" if (p.fixed | p.weighted).any() else "further observations",
         "points": [name for name, row in zip(p.ids, p.fixed | p.weighted, strict=True) if row.any()],
         "fixed": {name: int(p.fixed[:, i].sum()) for i, name in enumerate(POINT_NAMES)},
         "weighted": {name: int(p.weighted[:, i].sum()) for i, name in enumerate(POINT_NAMES)},
@@ -142,6 +146,14 @@ def groups(findings: Findings) -> list[Record]:
             }
         )
     return found
+
+
+def model_choice(a: Adjustment) -> Record:
+    """What to compare with the same block adjusted with another set: the smallest is best."""
+    a = a.regular
+    with np.errstate(divide="ignore", invalid="ignore"):  # a block without any error, or images that nothing predicts
+        found = {"aic": aic(a), "bic": bic(a), "leave_one_image_out_um": leave_one_image_out(a).rms_um}
+    return {name: number(value) for name, value in found.items()}
 
 
 def reliability(findings: Findings) -> Record:
@@ -272,13 +284,14 @@ def _significance(s: ApSignificance) -> list[Record]:
     ]
 
 
-def _accused(each: Accused) -> Record:
+def _accused(a: Adjustment, each: Accused) -> Record:
+    unit = protocol_further.unit(a, each.row)
     return {
         "observation": each.name,
         "tau": each.statistic,
         "critical": each.critical,
-        "error": each.error,
-        "unit": "m" if "control" in each.name else "mm",
+        "error": protocol_further.factor(unit) * each.error,
+        "unit": unit,
         "redundancy": each.redundancy,
         "confused_with": list(each.confused_with),
     }

@@ -13,9 +13,11 @@ import numpy as np
 
 from adjust import Adjustment
 from adjust.adjustment import correlations
+from adjust.one_thread import one_thread
 from adjust.reliability import Reliability
 from studies import protocol, protocol_text
 from studies.adjustment_page import orientation_names
+from studies.spreadsheet import as_text
 from studies.whole_files import make_folder, write_whole
 
 OBSERVATIONS = (
@@ -39,13 +41,15 @@ alone
 def write(a: Adjustment, folder: Path) -> list[Path]:
     """Write the protocol of a successful adjustment; returns the files. Raises OSError."""
     findings = protocol.Findings(a)
-    record = protocol.record(a, findings)
-    contents = {
-        "protocol.txt": protocol_text.page(record),
-        "protocol.json": json.dumps(record, indent=1, allow_nan=False, ensure_ascii=False) + "\n",
-        "observations.csv": observations_csv(a, findings.reliability),
-        "correlations.csv": correlations_csv(a),
-    }
+    # many small products: further threads only wait for each other
+    with one_thread():
+        record = protocol.record(a, findings)
+        contents = {
+            "protocol.txt": protocol_text.page(record),
+            "protocol.json": json.dumps(record, indent=1, allow_nan=False, ensure_ascii=False) + "\n",
+            "observations.csv": observations_csv(a, findings.reliability),
+            "correlations.csv": correlations_csv(a),
+        }
     make_folder(folder)
     for name, text in contents.items():
         write_whole(folder / name, text.encode("utf-8"))
@@ -86,6 +90,6 @@ def _cell(value: float, digits: int) -> str:
 def _csv(header: Iterable[str], lines: Iterable[Iterable[str]]) -> str:
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(header)
-    writer.writerows(lines)
+    writer.writerow(map(as_text, header))
+    writer.writerows(map(as_text, line) for line in lines)
     return text.getvalue()

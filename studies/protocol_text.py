@@ -12,6 +12,7 @@ Record = dict[str, Any]
 WIDTH = 110
 DASH = "-"
 PAIRS_MOST = 20
+LEFT_OUT = "leave_one_image_out_um"
 STATUS = {True: "passed", False: "not passed"}
 
 
@@ -27,6 +28,7 @@ def page(found: Record) -> str:
         ("Reliability of the image coordinates", _reliability(found)),
         ("Suspected gross errors", _suspected(found)),
         ("Weighted control", _control(found)),
+        ("Further observations", _further(found)),
         ("Check points", _check(found)),
         ("Correlations", _correlations(found)),
         ("Residuals by image", _by_image(found)),
@@ -77,7 +79,8 @@ def _data(found: Record) -> Iterator[str]:
 
 def _datum(found: Record) -> Iterator[str]:
     datum = found["datum"]
-    yield from _wrapped(f"by {datum['by']} over {len(datum['points'])} points: {', '.join(datum['points'])}", "", "  ")
+    over = f" over {len(datum['points'])} points: {', '.join(datum['points'])}" if datum["points"] else ""
+    yield from _wrapped(f"by {datum['by']}{over}", "", "  ")
     if datum["rank_defect"]:
         yield f"rank defect {datum['rank_defect']}: shift, rotation and scale of the block, taken up by the constraints"
         return
@@ -96,6 +99,9 @@ def _adjustment(found: Record) -> Iterator[str]:
         f"global test at {test['alpha']:.0%}: vPv = {test['vpv']:.1f} in {test['lower']:.1f} .. {test['upper']:.1f}: "
         f"{STATUS[test['passed']]} (p = {test['p']:.2g})"
     )
+    choice = found["model_choice"]
+    aic, bic, left_out = (_number(choice[name], f) for name, f in (("aic", ".1f"), ("bic", ".1f"), (LEFT_OUT, ".3f")))
+    yield f"AIC {aic}, BIC {bic}, prediction error of images left out {left_out} um (the smallest of all sets is best)"
 
 
 def _groups(found: Record) -> Iterator[str]:
@@ -197,6 +203,31 @@ def _control(found: Record) -> Iterator[str]:
         for c in found["control"]
     )
     yield from _table(("point", "", "v m", "redundancy", "w", "mdb m"), rows)
+
+
+def _further(found: Record) -> Iterator[str]:
+    if not found["further"]:
+        yield "none"
+        return
+    rows = (
+        (
+            e["observation"],
+            f"{e['v']:.4g} {e['unit']}".rstrip(),
+            f"{e['redundancy']:.3f}",
+            _number(e["w"], ".2f"),
+            _number(e["mdb"], ".3g"),
+        )
+        for e in found["further"]
+    )
+    yield from _table(("observation", "v", "redundancy", "w", "mdb"), rows)
+    if found["biases"]:
+        yield ""
+        biases = (
+            (f"{e['name']} of {e['owner']}", f"{e['value']:.4g} {e['unit']}", f"{e['std']:.2g}")
+            for e in found["biases"]
+        )
+        yield from _table(("offset or drift", "value", "std"), biases)
+        yield "a drift is the change from the middle of a strip to its end"
 
 
 def _check(found: Record) -> Iterator[str]:

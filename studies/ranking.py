@@ -11,6 +11,8 @@ from typing import Any
 
 import numpy as np
 
+from studies.markdown_text import escaped
+
 Row = Mapping[str, Any]
 ABOVE_SMALLEST = ("aic", "bic")
 
@@ -28,12 +30,12 @@ def _table(rows: Sequence[Row], against: Mapping[str, Row], measures: Sequence[s
     estimate = {(row["method"], row["measure"]): float(row["estimate"]) for row in rows}
     methods = [m for m in dict.fromkeys(row["method"] for row in rows) if np.isfinite(estimate.get((m, by), np.nan))]
     least = {m: min(estimate.get((k, m), np.inf) for k in methods) for m in measures if m in ABOVE_SMALLEST}
-    yield "| rank | method | " + " | ".join([measures[0], "difference", *measures[1:]]) + " |"
+    yield "| rank | method | " + " | ".join([escaped(measures[0]), "difference", *map(escaped, measures[1:])]) + " |"
     yield "| ---: | --- | " + " | ".join(["---:"] * (len(measures) + 1)) + " |"
     for rank, method in enumerate(sorted(methods, key=lambda m: estimate[m, by]), start=1):
         cells = [_number(estimate.get((method, m), np.nan) - least.get(m, 0.0)) for m in measures]
         cells.insert(1, _difference(against.get(method)))
-        name = method.partition(", cameras ")[0]
+        name = escaped(method.partition(", cameras ")[0])
         yield f"| {rank} | {name} | " + " | ".join(cells) + " |"
 
 

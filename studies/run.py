@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import functools
+from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from studies import backends, isolation, stopping
 from studies.backends import Broken
-from studies.block_task import BlockTask, Draw, compute, image_points, run_task
+from studies.block_task import BlockTask, Done, Draw, compute, run_task
+from studies.drawn_trials import image_points
 from studies.machine import machine
 from studies.plan import Plan, Shard, look_at
 from studies.store import Store, locked
@@ -19,8 +21,9 @@ from studies.worker import become_main
 
 TRIAL_LIMIT_S = 60.0
 Say = Callable[[str], object]
-Count = Callable[[int, int], object]
-"""is told how many trials of how many that are known to be needed have been computed"""
+Count = Callable[[int, int, int], object]
+"""is told how many trials of how many that are known to be needed have been computed, and how many conditions are not
+done"""
 
 
 @dataclass(frozen=True)
@@ -53,7 +56,7 @@ def run(
     folder: Path,
     how: How | None = None,
     say: Say = lambda line: None,
-    count: Count = lambda done, of: None,
+    count: Count = lambda done, of, open_conditions: None,
 ) -> Outcome:
     """Run a study into a folder, or go on where it was left.
 
@@ -96,6 +99,7 @@ def opened(folder: Path, plan: Plan) -> Store:
 def compute_missing(plan: Plan, store: Store, how: How, say: Say, count: Count) -> None:
     """Compute, round by round, what the plan asks for and the store has not."""
     known: dict[tuple[str, int], bool] = {}
+    places = {condition.id: number for number, condition in enumerate(plan.conditions)}
     computed = 0
     for wanted in stopping.rounds(plan, store, how.jobs, whole_study=how.part is None):
         found = [
@@ -105,10 +109,23 @@ def compute_missing(plan: Plan, store: Store, how: How, say: Say, count: Count) 
         known |= {(s.condition.id, s.block): True for s in found}
         lost = {s.condition.id: store.failed(s.condition.id) for s in found}
         tasks = [plan.task(s.condition, s.block, lost[s.condition.id]) for s in found if s.state != "whole"]
+        tasks.sort(key=lambda task: places[task.condition.id])  # a process keeps the geometry of its last condition
+        left = Counter(task.condition.id for task in tasks)
         needed = computed + sum(len(task) for task in tasks)
-        for trials in finish(tasks, plan, store, how, say):
-            computed += trials
-            count(computed, needed)
+        for done in finish(tasks, plan, store, how, say):
+            computed += done.trials
+            left -= Counter([done.condition_id])
+            count(computed, needed, len(left))
+        _refuse_absent(store, tasks)
+
+
+def _refuse_absent(store: Store, tasks: Sequence[BlockTask]) -> None:
+    """Raise BackendError if blocks were computed and are not in the store: the plan and the folder decide."""
+    absent = [task for task in tasks if not store.shard_path(*task.name).exists()]
+    if absent:
+        raise backends.BackendError(
+            f"{len(absent)} of {len(tasks)} blocks were computed and are not in {store.folder}; do all workers see it?"
+        )
 
 
 def _mine(plan: Plan, how: How, block: int, condition: object) -> bool:
@@ -129,7 +146,7 @@ def _say_what_was_found(found: Sequence[Shard], known: dict[tuple[str, int], boo
             say(f"trials/{shard.condition.id}/{shard.block}.parquet is {shard.state} ({shard.reason}), computed again")
 
 
-def finish(tasks: Sequence[BlockTask], plan: Plan, store: Store, how: How, say: Say) -> Iterator[int]:
+def finish(tasks: Sequence[BlockTask], plan: Plan, store: Store, how: How, say: Say) -> Iterator[Done]:
     """Compute blocks by the chosen backend, and alone those whose worker dies or does not end."""
     work = functools.partial(run_task, store, how.draw)
     attempt = functools.partial(compute, draw=how.draw)
@@ -138,21 +155,21 @@ def finish(tasks: Sequence[BlockTask], plan: Plan, store: Store, how: How, say: 
             for task in answer.tasks:
                 say(f"condition {task.condition.id}, block {task.block}: its worker died or did not end; tried alone")
             for again in isolation.in_order(answer.tasks, work, how.trial_limit_s):
-                if isinstance(again, int):
+                if isinstance(again, Done):
                     yield again
                     continue
                 task = again.tasks[0]
                 lost = isolation.compute_without_culprits(task, work, attempt, how.trial_limit_s)
                 for trial, fate in lost.items():
                     store.mark_failed(task.condition.id, trial, {"status": fate, "trial": trial})
-                yield len(task)
+                yield Done.of(task)
         else:
             yield answer
 
 
 def _answers(
     tasks: Sequence[BlockTask], work: backends.Work, plan: Plan, store: Store, how: How
-) -> Iterator[int | Broken]:
+) -> Iterator[Done | Broken]:
     if not tasks:
         return iter(())
     if how.backend == "here":

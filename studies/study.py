@@ -17,7 +17,7 @@ import json
 import math
 import re
 import tomllib
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from functools import cache
 from pathlib import Path
@@ -187,14 +187,56 @@ def _checked(table: Mapping[str, Any], text: str) -> Study:
     try:
         study = _adapter().validate_json(json.dumps(table), strict=True)
     except ValidationError as error:
-        lines = dict.fromkeys(_fault_line(d, table) for d in error.errors(include_url=False))
-        raise StudyError("\n".join(lines)) from None
+        details = error.errors(include_url=False)
+        lines = [_fault_line(d, table) for d in details]
+        raise StudyError("\n".join(dict.fromkeys(lines + _further_faults(table, details)))) from None
     except RecursionError:
         raise StudyError("tables are nested too deeply") from None
     faults = faults_of(study)
     if faults:
         raise StudyError("\n".join(dict.fromkeys(faults)))
     return replace(study, text=text)
+
+
+HANGS_ON = ("grid", "zip", "factors", "methods", "scenario")
+"""tables whose entries others speak of; with one of the wrong form, only [study] and [trials] can be judged"""
+
+
+def _further_faults(table: Mapping[str, Any], details: Sequence[ErrorDetails]) -> list[str]:
+    """What else is wrong in a table of the wrong form, seen after its entries of the wrong form are taken out."""
+    from pydantic import ValidationError
+
+    from studies.study_faults import faults_of
+
+    repaired = json.loads(json.dumps(table))
+    for detail in details:
+        _take_out(repaired, detail["loc"])
+    for name in ("study", "scenario", "methods"):
+        repaired.setdefault(name, {})
+    heading = repaired["study"]
+    for name, value in (("name", "x"), ("question", "x"), ("seed", 0)):
+        heading.setdefault(name, value)
+    try:
+        found = faults_of(_adapter().validate_json(json.dumps(repaired), strict=True))
+    except (ValidationError, RecursionError):
+        return []
+    wrong = {str(detail["loc"][0]) for detail in details if detail["loc"]}
+    if wrong & set(HANGS_ON):
+        return [line for line in found if line.startswith(("study.", "trials."))]
+    return found
+
+
+def _take_out(table: Any, place: Sequence[int | str]) -> None:
+    """Remove the innermost entry of a place that is there."""
+    holder, last = None, place[0] if place else ""
+    node = table
+    for step in place:
+        inside = isinstance(node, dict) and step in node
+        if not inside:
+            break
+        holder, last, node = node, step, node[step]
+    if holder is not None:
+        holder.pop(last, None)
 
 
 @cache

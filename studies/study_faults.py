@@ -18,20 +18,22 @@ MOST_TRIALS_A_BLOCK = 8192
 
 
 def faults_of(study: Study) -> list[str]:
-    """All faults of a study, or as many as can be seen before the first kinds are mended."""
+    """All faults of a study; only what hangs on a fault (levels on a wrong scenario, whole conditions) waits for it."""
     faults = [*_heading(study), *_trials(study), *_report(study)]
+    cameras: tuple[str, ...] | None = None
+    wrong_scenario: list[str] = []
     try:
-        scenario = scenario_from_table(study.scenario)
+        cameras = tuple(c.camera_id for c in scenario_from_table(study.scenario).cameras)
     except ScenarioError as error:
-        return [*faults, *(_inside("scenario", line) for line in str(error).splitlines())]
-    faults += method_faults(study, tuple(c.camera_id for c in scenario.cameras))
+        wrong_scenario = [_inside("scenario", line) for line in str(error).splitlines()]
+    faults += [*wrong_scenario, *method_faults(study, cameras)]
     shape = [*_factors(study), *_paired(study)]
     bound = conditions.count(study)
     if bound > conditions.MOST_CONDITIONS:
-        shape.append(f"grid: {bound} conditions, allowed: at most {conditions.MOST_CONDITIONS}")
-    elif not shape:
-        shape = _levels(study)
-    return faults + (shape or _together(study))
+        return [*faults, *shape, f"grid: {bound} conditions, allowed: at most {conditions.MOST_CONDITIONS}"]
+    if not wrong_scenario:
+        shape += _levels(study)
+    return faults + (shape or ([] if wrong_scenario else _together(study)))
 
 
 def _inside(place: str, line: str) -> str:
@@ -138,6 +140,10 @@ def _levels(study: Study) -> list[str]:
         places += [(f"zip[{number}].{name}", name, levels) for name, levels in together.items()]
     faults = []
     for place, name, levels in places:
+        try:
+            factor_named(name, study)
+        except StudyError:
+            continue  # named as unknown already
         for number, level in enumerate(levels):
             try:
                 conditions.scenario_with(study, base, {name: level})

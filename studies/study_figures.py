@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from simfield.block import Floats
-from studies.canvas import COLOURS, MARKERS
+from studies.canvas import COLOURS, MARKERS, literal
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -41,6 +41,11 @@ def series_of(rows: Sequence[Row], measure: str, x: str, names: Sequence[str]) -
     return series, [] if numeric else [_plain(v) for v in values]
 
 
+def with_unit(measure: str, unit: str) -> str:
+    """A measure as the label of an axis."""
+    return literal(measure) + ("" if unit == "1" else f", {unit.replace('um', 'µm')}")
+
+
 def _said(name: str, value: Any) -> str:
     if name == "aux_points":
         return "with aux" if value else "without aux"
@@ -48,8 +53,7 @@ def _said(name: str, value: Any) -> str:
 
 
 def _plain(value: Any) -> str:
-    """A text that matplotlib takes literally."""
-    return (f"{value:g}" if isinstance(value, float) else str(value)).replace("$", r"\$")
+    return f"{value:g}" if isinstance(value, float) else literal(str(value))
 
 
 MANY_LABELS = 8
@@ -77,5 +81,5 @@ def measure_over_factor(axes: Axes, series: Series, labels: Sequence[str], x: st
             axes.tick_params(axis="x", labelrotation=90, labelsize=6)
         elif sum(map(len, labels)) > 40:
             axes.tick_params(axis="x", labelrotation=25)
-    axes.set(xlabel=_plain(x), ylabel=_plain(measure) + ("" if unit == "1" else f", {unit}"))
+    axes.set(xlabel=_plain(x), ylabel=with_unit(measure, unit))
     axes.grid(True, axis="y")

@@ -10,13 +10,13 @@ import numpy as np
 
 from studies import ranking
 from studies.conditions import factor_names
+from studies.markdown_text import escaped
 from studies.plan import Plan
 from studies.summary import Row, Summary
 from studies.whole_files import write_whole
 
 MOST_LINES = 60
 DASH = "–"
-MARKDOWN = str.maketrans({c: f"\\{c}" for c in "\\`*_[]<>|$#"})
 
 
 def write(summed: Summary, plan: Plan, folder: Path) -> list[Path]:
@@ -30,30 +30,46 @@ def write(summed: Summary, plan: Plan, folder: Path) -> list[Path]:
 def page(summed: Summary, plan: Plan, figures: Sequence[Path] = ()) -> str:
     """The report in Markdown."""
     study = plan.study
-    lines = [f"# {study.name}", "", escaped(study.study.question.strip()), ""]
-    lines += [_what_was_run(summed, plan), ""]
+    lines = [f"# {escaped(study.name)}", "", escaped(study.study.question.strip()), ""]
+    lines += [what_was_run(summed, plan), ""]
     for figure in figures:
-        lines += [f"![{', '.join(study.report.measures)}]({figure.name})", ""]
-    names = [*factor_names(study), *study.methods]
-    if study.report.rank_by:
-        lines += [f"## Ranked by {escaped(study.report.rank_by)}", "", *_ranked(summed, plan)]
-    for measure in study.report.measures:
-        chosen = [row for row in summed.rows if row["measure"] == measure]
-        if chosen:
-            unit = "" if chosen[0]["unit"] == "1" else f", {chosen[0]['unit']}"
-            lines += [f"## {escaped(measure)}{unit}", "", *_table(chosen, names), ""]
-    compared = [row for row in summed.differences if row["measure"] in study.report.measures]
-    if compared:
-        lines += ["## Differences between methods, in pairs on the same trials", ""]
-        lines += [*_table(compared, [*factor_names(study), "method", "against", "measure", "unit"]), ""]
+        lines += [f"![{escaped(', '.join(study.report.measures))}]({figure.name})", ""]
+    lines += ranked(summed, plan)
+    for _, heading, table_lines in by_measure(summed, plan):
+        lines += [f"## {heading}", "", *table_lines, ""]
+    lines += differences(summed, plan)
     if summed.failures:
         lines += ["## Failures", "", *(f"- {escaped(line)}" for line in summed.failures), ""]
     return "\n".join(lines)
 
 
-def _ranked(summed: Summary, plan: Plan) -> Iterator[str]:
-    """A ranking for each condition, under its factors."""
+def by_measure(summed: Summary, plan: Plan) -> Iterator[tuple[str, str, Iterator[str]]]:
+    """Every measure of the report that has rows: its name, its heading and the lines of its table."""
+    names = [*factor_names(plan.study), *plan.study.methods]
+    for measure in plan.study.report.measures:
+        chosen = [row for row in summed.rows if row["measure"] == measure]
+        if chosen:
+            unit = "" if chosen[0]["unit"] == "1" else f", {chosen[0]['unit']}"
+            yield measure, f"{escaped(measure)}{unit}", table(chosen, names)
+
+
+def differences(summed: Summary, plan: Plan) -> Iterator[str]:
+    """The differences between methods in the measures of the report, with a heading; nothing if there are none."""
+    compared = [row for row in summed.differences if row["measure"] in plan.study.report.measures]
+    if compared:
+        yield "## Differences between methods, in pairs on the same trials"
+        yield ""
+        yield from table(compared, [*factor_names(plan.study), "method", "against", "measure", "unit"])
+        yield ""
+
+
+def ranked(summed: Summary, plan: Plan) -> Iterator[str]:
+    """A ranking for each condition, under its factors; nothing if the study asks for none."""
     report = plan.study.report
+    if not report.rank_by:
+        return
+    yield f"## Ranked by {escaped(report.rank_by)}"
+    yield ""
     for condition in plan.conditions:
         yield f"### {escaped(str(condition))}"
         yield ""
@@ -61,24 +77,29 @@ def _ranked(summed: Summary, plan: Plan) -> Iterator[str]:
         yield from ranking.tables(own, summed.differences, report.measures, report.rank_by)
 
 
-def _what_was_run(summed: Summary, plan: Plan) -> str:
+def what_was_run(summed: Summary, plan: Plan) -> str:
+    """Conditions, methods, trials and how figures are to be read, in Markdown."""
     study = plan.study
     ran = sorted({row["n"] + row["failures"] for row in summed.rows})
     trials = f"{ran[0]}" if len(ran) == 1 else f"{ran[0]} to {ran[-1]}" if ran else "0"
     return (
-        f"{len(plan.conditions)} conditions, {len(plan.methods)} methods, {trials} trials each, seed "
-        f"{study.study.seed}. Behind ± stands the Monte-Carlo standard error. All methods of a condition see the same "
-        "trials. Every figure is in summary.csv, the study itself in study.toml."
+        f"{_counted(len(plan.conditions), 'condition')}, {_counted(len(plan.methods), 'method')}, {trials} trials "
+        f"each, seed {study.study.seed}. Behind ± stands the Monte-Carlo standard error. All methods of a condition "
+        "see the same trials. Every figure is in summary.csv, the study itself in study.toml."
     )
 
 
-def _table(rows: Sequence[Row], names: Sequence[str]) -> Iterator[str]:
-    """Rows in Markdown: the named columns, n, failures, estimate ± standard error."""
-    yield "| " + " | ".join([*map(escaped, names), "n", "failures", "estimate"]) + " |"
+def _counted(number: int, thing: str) -> str:
+    return f"{number} {thing}" + ("" if number == 1 else "s")
+
+
+def table(rows: Sequence[Row], names: Sequence[str]) -> Iterator[str]:
+    """Rows in Markdown: the named columns, estimate ± standard error, n, failures."""
+    yield "| " + " | ".join([*map(escaped, names), "estimate", "n", "failures"]) + " |"
     yield "| " + " | ".join(["---"] * len(names) + ["---:"] * 3) + " |"
     for row in rows[:MOST_LINES]:
-        cells = [escaped(_plain(row.get(name, ""))) for name in names]
-        yield "| " + " | ".join([*cells, str(row["n"]), str(row["failures"]), with_error(row)]) + " |"
+        cells = [escaped(plain(row.get(name, ""))) for name in names]
+        yield "| " + " | ".join([*cells, with_error(row), str(row["n"]), str(row["failures"])]) + " |"
     if len(rows) > MOST_LINES:
         yield ""
         yield f"The first {MOST_LINES} of {len(rows)} lines; all are in summary.csv and differences.csv."
@@ -100,15 +121,11 @@ def with_error(row: Mapping[str, Any]) -> str:
     return f"{estimate:.5g} ± {mcse:.2g}"
 
 
-def _plain(value: Any) -> str:
+def plain(value: Any) -> str:
+    """A level of a factor as text."""
     if isinstance(value, bool):
         return "yes" if value else "no"
     return f"{value:g}" if isinstance(value, float) else str(value)
-
-
-def escaped(text: str) -> str:
-    """Text that Markdown and HTML show as it stands."""
-    return " ".join(text.split()).translate(MARKDOWN)
 
 
 def _draw(summed: Summary, plan: Plan, folder: Path) -> list[Path]:
@@ -138,4 +155,5 @@ def _draw(summed: Summary, plan: Plan, folder: Path) -> list[Path]:
         handles, said = grid[0, 0].get_legend_handles_labels()
         if len(said) > 1:
             figure.legend(handles[:MOST_SERIES], said[:MOST_SERIES], loc="outside lower center", ncols=3, fontsize=6.5)
-        return save(figure, folder / "figure")
+        title = f"{study.name}: {', '.join(measures)}"
+        return save(figure, folder / "figure", title, f"Each over {x}, with 95 % Monte-Carlo intervals.")

@@ -45,13 +45,14 @@ def summarise(plan: Plan, store: Store) -> Summary:
     for condition in plan.conditions:
         columns, nominal = joined(store, plan, condition, stopping.trials_of(plan, store, condition))
         cells = {m.key: Cell.of(m.key, columns, nominal) for m in plan.methods}
+        found = {key: measured(cell) for key, cell in cells.items()}
         for method in plan.methods:
             cell = cells[method.key]
             head = {**_head(plan, condition), **_shown_keys(plan, method.columns), "method": method.key}
-            rows += [{**head, **row} for row in _rows(cell, plan.study.report.least_correlation)]
+            rows += [{**head, **row} for row in _rows(cell, found[method.key], plan.study.report.least_correlation)]
             if cell.lost:
                 failures.append(f"{condition}, {method.key}: {_what_failed(cell)}")
-        differences += _differences(plan, condition, cells)
+        differences += _differences(plan, condition, cells, found)
     return Summary(rows, differences, tuple(failures))
 
 
@@ -70,9 +71,9 @@ def _what_failed(cell: Cell) -> str:
     return f"{cell.failures} of {len(cell.status)} trials failed: {'; '.join(named)}"
 
 
-def _rows(cell: Cell, least_correlation: float) -> Iterator[Row]:
+def _rows(cell: Cell, measures: Mapping[str, Measured], least_correlation: float) -> Iterator[Row]:
     n, failures = len(cell.status) - cell.failures, cell.failures
-    for name, found in measured(cell).items():
+    for name, found in measures.items():
         yield _row(name, n, failures, found.estimate[0], found.mcse[0])
     for pair, (formal, found) in correlated(cell, least_correlation).items():
         yield _row(f"formal_correlation {pair}", n, failures, formal, 0.0)
@@ -87,13 +88,15 @@ def _row(measure: str, n: int, failures: int, estimate: float, mcse: float) -> R
     return {"measure": measure, "unit": unit(measure), **numbers}
 
 
-def _differences(plan: Plan, condition: Condition, cells: Mapping[str, Cell]) -> Iterator[Row]:
+def _differences(
+    plan: Plan, condition: Condition, cells: Mapping[str, Cell], measures: Mapping[str, dict[str, Measured]]
+) -> Iterator[Row]:
     known = {m.key: m for m in plan.methods}
     for key, reference in references(plan.study).items():
         if reference not in cells or not len(cells[key].error) or not len(cells[reference].error):
             continue
         both = cells[key].kept & cells[reference].kept
-        first, second = (_measured_on(cells[k], both) for k in (key, reference))
+        first, second = (_measured_on(cells[k], both, measures[k]) for k in (key, reference))
         head = {**_head(plan, condition), **_shown_keys(plan, known[key].columns), "method": key, "against": reference}
         for name in first:
             if name in second:
@@ -102,11 +105,11 @@ def _differences(plan: Plan, condition: Condition, cells: Mapping[str, Cell]) ->
                 yield {**head, **row}
 
 
-def _measured_on(cell: Cell, both: npt.NDArray[np.bool_]) -> dict[str, Measured]:
-    """The measures of the trials in which both methods converged."""
+def _measured_on(cell: Cell, both: npt.NDArray[np.bool_], measures: dict[str, Measured]) -> dict[str, Measured]:
+    """The measures of the trials in which both methods converged; `measures` are those of all trials of the cell."""
     inner = both[cell.kept]
     if inner.all():
-        return measured(cell)
+        return measures
     deviations = {name: values[inner] for name, values in cell.deviations.items()}
     return measured(replace(cell, deviations=deviations, error=cell.error[inner], std=cell.std[inner]))
 

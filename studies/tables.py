@@ -8,13 +8,17 @@ from typing import Any
 
 import pandas as pd
 
+from studies.spreadsheet import as_text
+
 DASH = "–"
 Format = str | Callable[[Any], str]
 
 
 def write_csv(frame: pd.DataFrame, path: Path, formats: Mapping[str, str]) -> None:
     """Write a table; formats gives a specification such as ".3f" for columns; truth values are true and false."""
-    text = pd.DataFrame({name: [_cell(v, formats.get(name, "")) for v in frame[name]] for name in frame.columns})
+    text = pd.DataFrame(
+        {as_text(name): [as_text(_cell(v, formats.get(name, ""))) for v in frame[name]] for name in frame.columns}
+    )
     text.to_csv(path, index=False, lineterminator="\n", encoding="utf-8")
 
 
@@ -28,7 +32,7 @@ def markdown(frame: pd.DataFrame, formats: Mapping[str, str] | None = None) -> s
 
 
 def _line(cells: Any) -> str:
-    return "| " + " | ".join(cells) + " |"
+    return "| " + " | ".join(cell.replace("|", r"\|") for cell in cells) + " |"
 
 
 def _cell(value: Any, form: str) -> str:

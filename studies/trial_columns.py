@@ -16,8 +16,10 @@ from scipy.special import stdtrit
 from adjust.adjustment import Adjustment, correlations
 from adjust.replicates import Replicates
 from adjust.status import Status
+from adjust.trials import STATUSES
 from adjust.unknowns import EXTERIOR_NAMES, POINT_NAMES
 from simfield.block import Floats
+from studies.compiled_columns import point_deviations
 from studies.measures import CONFIDENCE
 from studies.parts import Part
 
@@ -40,6 +42,7 @@ SENTENCES = {code: status.value for status, code in CODES.items()} | {
     TIMEOUT: "it did not end",
     NO_NOMINAL: "the condition itself cannot be simulated or adjusted",
 }
+_CODE_OF = np.array([CODES.get(status, OTHER) for status in STATUSES], dtype=np.int8)
 LOST = {"crashed": CRASHED, "timeout": TIMEOUT, "undrawn": UNDRAWN}
 
 DEVIATIONS = ("m0_um", "mu_xy_mm", "mu_z_mm", "true_xy_mm", "true_z_mm", "mean_z_mm", "coverage_xy", "coverage_z")
@@ -103,11 +106,10 @@ def _two_points(part: Part, centre: Floats) -> dict[str, int]:
     return {"centre": int(free[np.argmin(distance)]), "edge": int(free[np.argmax(distance)])}
 
 
-def nominal_columns(nominal: Adjustment, part: Part) -> dict[str, Floats]:
+def nominal_columns(nominal: Adjustment, tracked: Tracked) -> dict[str, Floats]:
     """The constants of a method, and of every tracked unknown its estimand, the root s of its cofactor and its formal
     correlations with all of them, one below the other. The estimand is reduced as x is.
     """
-    tracked = Tracked.of(nominal, part)
     q = nominal.cofactors.block(tracked.at, tracked.at)
     s, formal = np.sqrt(np.diag(q)), correlations(q)
     condition_number = 1.0 / nominal.cofactors.factor.condition
@@ -129,45 +131,28 @@ def _largest_with_exterior(nominal: Adjustment) -> float:
     return float(np.abs(r).max())
 
 
-def trial_columns(replicates: Replicates, part: Part, given: Floats) -> dict[str, npt.NDArray[np.generic]]:
-    """The columns of t trials; given (t, n', 3) are the coordinates of the points that the surveyor gave, m."""
-    nominal = replicates.nominal
-    tracked = Tracked.of(nominal, part)
-    points, sigma0 = replicates.points, replicates.sigma0
-    control = part.block.points.role == "control"
-    check = part.block.points.role == "check"
-    error = (points - part.true)[:, ~control]
-    q = nominal.cofactors.diagonal[nominal.layout.orientation :].reshape(-1, 3)
+def trial_columns(
+    replicates: Replicates, part: Part, tracked: Tracked, given: Floats
+) -> dict[str, npt.NDArray[np.generic]]:
+    """The columns of t trials; given (t or 1, n', 3) are the coordinates of the points that the surveyor gave, m."""
+    nominal, layout = replicates.nominal, replicates.nominal.layout
+    role = part.block.points.role
+    q = nominal.cofactors.diagonal[layout.orientation :].reshape(-1, 3)
     t = stdtrit(nominal.redundancy, 0.5 + CONFIDENCE / 2.0)
-    inside = np.abs(error) <= t * sigma0[:, None, None] * np.sqrt(q)[~control]
-    ok = replicates.ok
-    deviations = (
-        replicates.m0_um,
-        *_rms_mm((points - given)[:, check]),
-        *_rms_mm(error),
-        1000.0 * _mean(error[:, :, 2]),
-        np.where(ok, _mean(_mean(inside[:, :, :2].astype(float))), np.nan),
-        np.where(ok, _mean(inside[:, :, 2].astype(float)), np.nan),
+    x, ok = replicates.trials.x, replicates.ok
+    found = np.empty((len(x), len(DEVIATIONS) - 1))
+    point_deviations(
+        *(x, layout.orientation, part.true - layout.origin, given - layout.origin, role != "control", role == "check"),
+        *(t * replicates.sigma0, np.sqrt(q), found),
     )
-    found: dict[str, npt.NDArray[np.generic]] = {"status": status_codes(replicates)}
-    found.update(zip(DEVIATIONS, deviations, strict=True))
-    found.update(zip(tracked.names, np.ascontiguousarray(replicates.trials.x[:, tracked.at].T), strict=True))
-    return found
-
-
-def _rms_mm(difference: Floats) -> tuple[Floats, Floats]:
-    """2-D and height rms (t) over the points of differences (t, n, 3) in metres, in mm; NaN without points."""
-    square = _mean(difference**2)
-    return 1000.0 * np.sqrt(square[:, 0] + square[:, 1]), 1000.0 * np.sqrt(square[:, 2])
-
-
-def _mean(values: Floats) -> Floats:
-    """The mean over axis 1; NaN, without a warning, where there is nothing."""
-    if values.shape[1] == 0:
-        return np.full((values.shape[0], *values.shape[2:]), np.nan)
-    return np.asarray(values.mean(axis=1))
+    found[:, :5] *= 1000.0
+    found[~ok] = np.nan
+    columns: dict[str, npt.NDArray[np.generic]] = {"status": status_codes(replicates), "m0_um": replicates.m0_um}
+    columns.update(zip(DEVIATIONS[1:], np.ascontiguousarray(found.T), strict=True))
+    columns.update(zip(tracked.names, np.ascontiguousarray(x[:, tracked.at].T), strict=True))
+    return columns
 
 
 def status_codes(replicates: Replicates) -> Codes:
     """(t) how every trial ended, in CODES."""
-    return np.array([CODES.get(status, OTHER) for status in replicates.status], dtype=np.int8)
+    return _CODE_OF[replicates.trials.status]

@@ -8,7 +8,8 @@ from pathlib import Path
 
 import numpy as np
 
-from studies.block_task import Columns, Draw, compute, image_points
+from studies.block_task import Columns, Draw, compute
+from studies.drawn_trials import image_points
 from studies.machine import processor
 from studies.plan import Plan, look_at
 from studies.store import NOMINAL, Store, StoreError, locked, read_json
@@ -29,9 +30,10 @@ def study_of(folder: Path) -> Plan:
         raise StoreError(f"{folder}: no study was run into this folder (manifest.json and study.toml are missing)")
     manifest = read_json(folder / "manifest.json")
     identity = manifest.get("identity")
-    if not isinstance(identity, dict) or not isinstance(manifest.get("trials"), int):
+    numbers = (manifest.get("trials"), identity.get("seed")) if isinstance(identity, dict) else ()
+    if not numbers or not all(isinstance(n, int) for n in numbers):
         raise StoreError(f"{folder / 'manifest.json'}: damaged: it names no study")
-    study = read_study(folder / "study.toml").with_changes(trials=manifest["trials"], seed=identity.get("seed"))
+    study = read_study(folder / "study.toml").with_changes(trials=manifest["trials"], seed=manifest["identity"]["seed"])
     plan = Plan.of(study)
     plan.refuse_other(manifest)
     return plan

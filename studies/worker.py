@@ -8,26 +8,31 @@ import threading
 import time
 from functools import cache
 
-LOOKS_EVERY_S = 1.0
-MAIN = os.environ.get("SIMFIELD_MAIN", "")
+LOOKS_EVERY_S = 0.2
+MAIN = int(os.environ.get("SIMFIELD_MAIN", "0"))
 
 
 def become_main() -> None:
     """Tell the processes that this one starts whose they are."""
-    os.environ["SIMFIELD_MAIN"] = str(os.getpid())
+    global MAIN
+    MAIN = os.getpid()
+    os.environ["SIMFIELD_MAIN"] = str(MAIN)
 
 
 @cache
 def prepare() -> None:
-    """In a worker of ours: ignore the interrupt of the terminal, and end when the parent has ended."""
-    if not MAIN or str(os.getpid()) == MAIN or threading.current_thread() is not threading.main_thread():
+    """In a worker of ours: ignore the interrupt of the terminal, and end when the parent has ended.
+
+    The parent is the one that the environment names, not the one found here: it may have died while this process
+    started, and nobody else would end a worker that waits for work.
+    """
+    if not MAIN or os.getpid() == MAIN or threading.current_thread() is not threading.main_thread():
         return  # no process of ours: the caller itself, or a worker of a cluster
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    parent = os.getppid()
-    threading.Thread(target=_watch, args=(parent,), daemon=True).start()
+    threading.Thread(target=_watch, daemon=True).start()
 
 
-def _watch(parent: int) -> None:
-    while os.getppid() == parent:
+def _watch() -> None:
+    while os.getppid() == MAIN:
         time.sleep(LOOKS_EVERY_S)
     os._exit(1)

@@ -12,12 +12,15 @@ import pytest
 
 TOP = Path(__file__).parents[1]
 README = (TOP / "README.md").read_text(encoding="utf-8")
-TOURS = re.findall(r"^```python\n(.*?)^```", README, re.DOTALL | re.MULTILINE)
+PYTHON = re.compile(r"^```python\n(.*?)^```", re.DOTALL | re.MULTILINE)
 PACKAGES = ("simfield", "adjust", "studies")
 
 
 def section(title: str) -> str:
     return README.split(f"## {title}\n", 1)[1].split("\n## ", 1)[0]
+
+
+TOURS = PYTHON.findall(section("A tour"))
 
 
 def mapped_modules() -> list[str]:
@@ -60,7 +63,7 @@ def test_every_module_is_on_the_map(package: str) -> None:
 
 
 def test_the_public_names_can_be_imported() -> None:
-    imports = re.findall(r"^    from (\w+) import (.+)$", section("Public names"), re.MULTILINE)
+    imports = re.findall(r"^from (\w+) import (.+)$", section("Public names"), re.MULTILINE)
     assert [module for module, _ in imports] == ["simfield", "adjust"]
     for module, names in imports:
         for name in names.split(", "):
@@ -70,8 +73,8 @@ def test_the_public_names_can_be_imported() -> None:
 def test_the_commands_of_the_readme_exist() -> None:
     from studies.cli import main
 
-    named = set(re.findall(r"(?:^ {4}|`)simfield ([a-z]+)", README, re.MULTILINE))
-    assert named >= {"simulate", "adjust"}
+    named = set(re.findall(r"(?:^|`)simfield ([a-z]+)", README.split("\n## ", 1)[1], re.MULTILINE))
+    assert named >= {"simulate", "adjust", "run", "reduce"}
     assert named <= set(main.commands)
 
 

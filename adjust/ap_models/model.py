@@ -44,7 +44,7 @@ class ApModel:
     A subclass is a frozen dataclass. Its fields are the settings, with the unit in the name and
     metadata={"about": ...}; its class variables say what it is and where it comes from; `terms` lists one (dx, dy) for
     each parameter, as literally as the source prints it. `parameters` names them. A set of the user's own needs no more
-    than `terms`.
+    than `terms`. Raises ValueError, naming it, for a setting with an impossible value.
     """
 
     id: ClassVar[str] = "own"
@@ -104,7 +104,7 @@ class ApModel:
         return ()
 
     def basis(self, x_mm: Floats, y_mm: Floats) -> Floats:
-        """All terms as one array (k, 2, a) at image coordinates x_mm, y_mm (k)."""
+        """All terms as one array (k, 2, a) at image coordinates x_mm, y_mm (k): mm per unit of the parameter."""
         x, y = np.broadcast_arrays(np.asarray(x_mm, float), np.asarray(y_mm, float))
         basis = np.zeros((x.size, 2, len(self.parameters)))
         for j, (dx, dy) in enumerate(self.terms(x.ravel(), y.ravel())):

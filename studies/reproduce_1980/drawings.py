@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pandas as pd
 
-from simfield.block import Floats
-from studies import figures
+from simfield.block import Block, Floats
+from studies import block_views, figures, figures_ground
+from studies.block_views import PointErrors
 from studies.canvas import COLOURS, new_figure
 from studies.distortion import DecenteringFields, RadialCurve
 from studies.reproduce_1980 import table2
@@ -22,7 +23,85 @@ VECTOR_UNIT_UM = 10.0
 """the paper's"""
 REDUCED_UNIT_UM = 2.0
 """five times larger, for what is left is small"""
+ELLIPSE_UNIT_MM, ELLIPSE_UNIT_GROUND_M = 20.0, 100.0
 AUX = {False: "without auxiliary points", True: "with auxiliary points"}
+
+
+ALTERNATIVE: Mapping[str, tuple[str, str]] = {
+    "plan": (
+        "Plan of the field",
+        "Left: 41 groups of points with five control points, and the outlines of 39 images on the ground. Right: the "
+        "points, coloured by the number of images in which they were measured.",
+    ),
+    "ellipses": (
+        "Errors of the points",
+        "One-sigma error ellipses and height bars of one point a group, from model 3.1 and from model 3.3, both "
+        "cameras with auxiliary points; they grow towards the edge.",
+    ),
+    "table1": (
+        "Table 1, published and simulated",
+        "m0, mu_xy and mu_z of the 18 adjustments: published values as diamonds, mean and 95 % range of the simulated "
+        "flights of two worlds as dots and bars.",
+    ),
+    "table2_sww": (
+        "Table 2 and the camera SWW",
+        "Heat maps of the correlations of b1 to b14, without and with auxiliary points: simulated above the diagonal, "
+        "published below.",
+    ),
+    "table2_ww": (
+        "Table 2 and the camera WW",
+        "Heat maps of the correlations of b1 to b14, without and with auxiliary points: simulated above the diagonal, "
+        "published below.",
+    ),
+    "erratum": (
+        "Which terms the program had",
+        "Rms difference to the published Table 2 for four forms of the model: Brown's terms are nearest in every case, "
+        "the terms as printed farthest.",
+    ),
+    "z0_correlations": (
+        "Correlation of the flying height with a3 and a4",
+        "Mean amount of the correlation over the place of the second zero, for all images and for the middle ones; it "
+        "is large for 0 mm and falls towards 100 mm.",
+    ),
+    "standard_errors": (
+        "Standard errors against redundancy",
+        "Standard errors of the parameters of model 3.1; each line goes from without to with auxiliary points, and all "
+        "fall.",
+    ),
+    "figure1": ("Figure 1", "Points of a full image by their radius, with and without auxiliary points, two cameras."),
+    "figure2": (
+        "Figure 2, SWW",
+        "Radial distortion, true and from the additional parameters with its standard deviation, and the vectors of "
+        "decentering as estimated and without the camera's tilt, on top of the true ones in grey.",
+    ),
+    "figure3": (
+        "Figure 3, WW",
+        "Radial distortion, true and from the additional parameters with its standard deviation, and the vectors of "
+        "decentering as estimated and without the camera's tilt, on top of the true ones in grey.",
+    ),
+}
+"""title and description of every figure, for those who cannot see it"""
+
+
+def plan_figure(block: Block) -> Figure:
+    """The field with the footprints of the images, and the rays per point."""
+    figure = new_figure(210, 118)
+    left, right = figure.subplots(1, 2)
+    figures_ground.field_plan(left, block, block_views.footprints(block))
+    marks = figures_ground.rays_per_point(right, block.points.coordinates[:, :2], block.rays)
+    figure.colorbar(marks, ax=right, shrink=0.7, label="images in which the point was measured")
+    return figure
+
+
+def ellipses_figure(errors: Mapping[str, PointErrors]) -> Figure:
+    """Error ellipses and height bars, a panel for each model."""
+    figure = new_figure(210, 132)
+    panels = figure.subplots(1, len(errors), sharey=True)
+    for axes, (model, found) in zip(panels, errors.items(), strict=True):
+        figures_ground.error_ellipses(axes, found, ELLIPSE_UNIT_MM, ELLIPSE_UNIT_GROUND_M)
+        axes.set_title(f"model {SECTIONS[model]} {model}", pad=24.0)
+    panels[-1].set_ylabel("")
+    return figure
 
 
 def table1_figure(tables: Mapping[str, pd.DataFrame]) -> Figure:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+import numpy.typing as npt
 import pandas as pd
 from threadpoolctl import threadpool_limits
 
@@ -13,6 +14,7 @@ from simfield.block import Block, Floats
 from simfield.distortion import DistortionError
 from simfield.measurement import CountError
 from simfield.truth import Truth
+from studies.block_views import PointErrors, point_errors
 from studies.distortion import DecenteringFields, RadialCurve, decentering_fields, radial_curve
 from studies.progress import progress_bar
 from studies.reproduce_1980 import claims, table1, table2
@@ -57,6 +59,10 @@ class Findings:
     curves: dict[str, dict[str, RadialCurve]]
     """by camera and model"""
     fields: dict[str, DecenteringFields]
+    block: Block
+    """as a surveyor would hand it over"""
+    point_errors: dict[str, PointErrors]
+    """of one point a group, by model"""
     failures: list[str]
 
 
@@ -92,8 +98,16 @@ def compute(trials: int, jobs: int | None, seed: int) -> Findings:
             radii={c: _radii(block, truth, c) for c in CAMERAS},
             curves={c: {model: radial_curve(a, c, truth) for model, a in both.items()} for c in CAMERAS},
             fields={c: decentering_fields(both["optical"], c, truth) for c in CAMERAS},
+            block=block,
+            point_errors={m: point_errors(both[m], _one_a_group(block, truth)) for m in ("optical", "brown14")},
             failures=_failures(experiment, flown, WORLD) + _failures(experiment, film_flown, FILM_WORLD),
         )
+
+
+def _one_a_group(block: Block, truth: Truth) -> npt.NDArray[np.bool_]:
+    """(n) the central points of the groups, without control."""
+    central = np.array(truth.point_ids)[truth.central]
+    return np.asarray(np.isin(block.points.ids, central) & (block.points.role != "control"))
 
 
 def _radii(block: Block, truth: Truth, camera: str) -> dict[str, Floats]:

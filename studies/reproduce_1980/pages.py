@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import pandas as pd
 
 from studies import published
-from studies.reproduce_1980 import claims, table1, table2
+from studies.reproduce_1980 import claims, drawings, table1, table2
 from studies.reproduce_1980.experiment import CAMERA_TITLES, CAMERAS
 from studies.reproduce_1980.findings import Findings
 from studies.scenario_page import scenario_page
@@ -73,6 +73,12 @@ def _world(found: Findings) -> Iterator[str]:
         "`simfield/presets.py` call an assumption, above all the distortions, the distance within a group, and which "
         "points were not measured.\n"
     )
+    yield _figure("plan")
+
+
+def _figure(name: str) -> str:
+    """A figure with its title as the text that stands for it."""
+    return f"![{drawings.ALTERNATIVE[name][0]}]({name}.svg)\n"
 
 
 def _page_of(found: Findings) -> str:
@@ -83,7 +89,10 @@ def _page_of(found: Findings) -> str:
 def _table1(found: Findings) -> Iterator[str]:
     yield "## 2  Table 1: unknowns, redundancy, m0 and mu\n"
     yield from _table1_body(found)
-    yield "![Table 1](table1.svg)\n"
+    yield _figure("table1")
+    yield "### Monte-Carlo standard errors\n"
+    yield "Mean over the flights ± its Monte-Carlo standard error, and how many flights could be adjusted.\n"
+    yield table1.errors_markdown(found.table1)
     film = found.film_world.scenario
     yield f"### The same with film that changes: `{film.name}`\n"
     yield (
@@ -156,7 +165,7 @@ def _table2(found: Findings) -> Iterator[str]:
         f"and printed row as they fit best, the rms is {' and '.join(ranges)}.\n"
     )
     for camera in CAMERAS:
-        yield f"![Table 2, {camera}](table2_{camera}.svg)\n"
+        yield _figure(f"table2_{camera}")
 
 
 def _erratum(found: Findings) -> Iterator[str]:
@@ -169,7 +178,7 @@ def _erratum(found: Findings) -> Iterator[str]:
         "compares with the other figure of each cell.\n"
     )
     yield _rms_table(found)
-    yield "![Erratum](erratum.svg)\n"
+    yield _figure("erratum")
 
 
 def _rms_table(found: Findings) -> str:
@@ -190,21 +199,26 @@ def _claims(found: Findings) -> Iterator[str]:
         )
         if claim == claims.Z0_CLAIM:
             yield '"middle" are the images centred on the field, which see all of it.\n'
-            yield "![Correlation with Z0](z0_correlations.svg)\n"
+            yield _figure("z0_correlations")
     smaller, of = claims.falling(found.errors)
     yield "### 5.4  Standard errors fall as redundancy rises\n"
     yield f"With auxiliary points {smaller} of {of} standard errors of the parameters are smaller than without.\n"
-    yield "![Standard errors](standard_errors.svg)\n"
+    yield _figure("standard_errors")
+    yield (
+        "What the adjustment claims for the points themselves, one a group; a true position lies inside its ellipse "
+        "with a probability of 39 %:\n"
+    )
+    yield _figure("ellipses")
 
 
 def _figures(found: Findings) -> Iterator[str]:
     yield "## 6  Figures 1 to 3\n"
-    yield "![Figure 1](figure1.svg)\n"
+    yield _figure("figure1")
     yield "Figure 1: points of a full image by radius.\n"
     for number, camera in enumerate(CAMERAS, start=2):
         fields = found.fields[camera]
         curve = found.curves[camera][fields.model]
-        yield f"![Figure {number}](figure{number}.svg)\n"
+        yield _figure(f"figure{number}")
         inside = abs(curve.estimated_um - curve.true_um) <= 2.0 * curve.std_um
         yield (
             f"Figure {number}, {CAMERA_TITLES[camera]}, model {curve.model}: crest of the radial curve "

@@ -49,6 +49,8 @@ def _tables(found: Findings, folder: Path) -> Iterator[Path]:
 
 def figures(found: Findings) -> Iterator[tuple[str, Figure]]:
     """Every figure with its name."""
+    yield "plan", drawings.plan_figure(found.block)
+    yield "ellipses", drawings.ellipses_figure(found.point_errors)
     tables = {found.world.scenario.name: found.table1, found.film_world.scenario.name: found.table1_film}
     yield "table1", drawings.table1_figure(tables)
     for camera in CAMERAS:
@@ -64,7 +66,7 @@ def figures(found: Findings) -> Iterator[tuple[str, Figure]]:
 def _figures(found: Findings, folder: Path) -> Iterator[Path]:
     with house_style():
         for name, figure in figures(found):
-            yield from save(figure, folder / name)
+            yield from save(figure, folder / name, *drawings.ALTERNATIVE[name])
 
 
 def _pages(found: Findings, folder: Path, command: str) -> Iterator[Path]:

@@ -71,6 +71,19 @@ def table1_markdown(table: pd.DataFrame) -> str:
     return markdown(shown, {"m0 um": ".1f"})
 
 
+def errors_markdown(table: pd.DataFrame) -> str:
+    """The means over trials with their Monte-Carlo standard errors, n and failures."""
+    names = {"m0_um": ("m0 um", 4), "mu_xy_mm": ("mu_xy 2-D mm", 2), "mu_z_mm": ("mu_z mm", 2)}
+    means = {
+        title: [
+            f"{m:.{digits}f} ± {e:.{digits}f}" for m, e in table[[f"sim_{name}", f"sim_{name}_mcse"]].to_numpy(float)
+        ]
+        for name, (title, digits) in names.items()
+    }
+    head = table[["model", "block"]].assign(**{"aux points": table["aux_points"].map({False: "without", True: "with"})})
+    return markdown(pd.concat([head.assign(**means), table[["n", "failures"]]], axis=1))
+
+
 def failures(rows: Sequence[Row], trials: pd.DataFrame) -> list[str]:
     """A line for each adjustment of a trial that failed."""
     failed = trials[trials["failure"] != ""]

@@ -61,7 +61,7 @@ def rms_of_differences(table: pd.DataFrame) -> pd.DataFrame:
     keys = ["aux_points", "camera", "variant"]
     lines = []
     for (aux_points, camera, variant), pairs in table.groupby(keys, sort=False):
-        other = matrix(table, not aux_points, str(camera), str(variant), "published")
+        other = matrix(table, not bool(aux_points), str(camera), str(variant), "published")
         simulated = matrix(table, bool(aux_points), str(camera), str(variant), "simulated")
         upper = np.triu_indices(len(other), 1)
         lines.append(

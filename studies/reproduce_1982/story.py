@@ -55,8 +55,8 @@ def _tables(found: Findings, folder: Path) -> Iterator[Path]:
 
 def _figures(found: Findings, folder: Path) -> Iterator[Path]:
     with house_style():
-        yield from save(drawings.sets_figure(found.table), folder / "sets")
-        yield from save(drawings.levels_figure(found.table), folder / "levels")
+        yield from save(drawings.sets_figure(found.table), folder / "sets", *drawings.SETS_SAY)
+        yield from save(drawings.levels_figure(found.table), folder / "levels", *drawings.LEVELS_SAY)
 
 
 def _page(found: Findings, folder: Path, command: str) -> Path:

@@ -136,8 +136,10 @@ class TestSnooping:
         search = _Search(Reliability.of(wrong), "w", 0.001)
         for row in out:
             search.take_out(row)
-        np.testing.assert_allclose(search.redundancy[kept], np.diag(r), rtol=0.0, atol=1e-10)
-        np.testing.assert_allclose(search.standard[kept], r @ (np.sqrt(weight) * v)[place][kept], rtol=0.0, atol=1e-8)
+        np.testing.assert_allclose(search.redundancy[kept], np.diag(r), rtol=0.0, atol=dense.SAME)
+        np.testing.assert_allclose(
+            search.standard[kept], r @ (np.sqrt(weight) * v)[place][kept], rtol=0.0, atol=dense.SAME
+        )
         assert search.vpv == pytest.approx(np.sum(search.standard**2), rel=1e-12)
 
     def test_two_rays_cannot_tell_who_is_wrong(self, ww_world: synthetic.World) -> None:

@@ -13,6 +13,7 @@ from adjust.gross_errors import snoop
 from adjust.ground import Distances, HeightDifferences
 from adjust.reliability import Reliability
 from adjust.significance import ap_significance
+from adjust.solve import ERROR_LEFT
 from adjust.stations import StationPositions
 from adjust.variance import variance_components
 from tests import synthetic
@@ -82,26 +83,27 @@ def test_both_arithmetics_and_the_full_matrices(w: synthetic.World, groups: tupl
     assert a.status.ok, a.message
     plain = adjust_block(w.block, MODEL, observations=groups, compiled=False)
     free = a.layout.free
-    np.testing.assert_allclose((a.x - plain.x)[free] / a.std[free], 0.0, atol=1e-8)
+    np.testing.assert_allclose((a.x - plain.x)[free] / a.std[free], 0.0, atol=2.0 * ERROR_LEFT)
     design, v, weight = full_design(a)
     assert np.sum(weight * v**2) == pytest.approx(a.vpv, rel=1e-12)
-    scale = 1.0 / np.sqrt(np.sum(weight[:, None] * design[:, free] ** 2, axis=0))
-    scaled = design[:, free] * scale
-    q = np.linalg.inv((scaled.T * weight) @ scaled) * scale * scale[:, None]
+    root = np.sqrt(weight)
+    hat, inverse_r = dense.factors(root[:, None] * design[:, free])
+    q = inverse_r @ inverse_r.T
     std = np.sqrt(np.diag(q))
-    np.testing.assert_allclose((q @ (design[:, free].T @ (weight * v))) / std, 0.0, atol=1e-8)
+    np.testing.assert_allclose(inverse_r @ (hat.T @ (root * v)) / std, 0.0, atol=ERROR_LEFT)
     at = np.flatnonzero(free)
     for each in (a, plain):
-        np.testing.assert_allclose(each.cofactors.block(at, at) / std / std[:, None], q / std / std[:, None], atol=1e-9)
-        np.testing.assert_allclose(each.cofactors.diagonal[at], np.diag(q), rtol=1e-8)
+        found = each.cofactors.block(at, at) / std / std[:, None]
+        np.testing.assert_allclose(found, q / std / std[:, None], rtol=0.0, atol=dense.SAME)
+        np.testing.assert_allclose(each.cofactors.diagonal[at], np.diag(q), rtol=dense.SAME)
         assert each.arithmetic.at(each.x).vpv == pytest.approx(a.vpv, rel=1e-10)
-    r = 1.0 - np.einsum("ij,jk,ik->i", design[:, free], q, design[:, free]) * weight
-    found = Reliability.of(a)
+    r = 1.0 - np.sum(hat**2, axis=1)
+    quality = Reliability.of(a)
     order = (2 * a.groups.image_points.order[:, None] + np.arange(2)).ravel()
-    k2 = len(order)
-    np.testing.assert_allclose(found.redundancy[order], r[:k2], rtol=0.0, atol=1e-10)
-    np.testing.assert_allclose(found.redundancy[k2:], r[k2:], rtol=0.0, atol=1e-10)
-    assert found.redundancy.sum() == pytest.approx(a.redundancy, abs=1e-7)
+    place = np.append(order, np.arange(len(order), len(r)))
+    np.testing.assert_allclose(quality.redundancy[place], r, rtol=0.0, atol=dense.SAME)
+    np.testing.assert_allclose(quality.w[place], root * v / np.sqrt(r), rtol=0.0, atol=dense.SAME)
+    assert quality.redundancy.sum() == pytest.approx(a.redundancy, abs=len(r) * dense.SAME)
 
 
 def test_counts_names_and_tables(w: synthetic.World, a: Adjustment) -> None:

@@ -10,8 +10,7 @@ from simfield.block import Block, Floats, ImageObservations, Points
 from tests import synthetic
 from tests.adjust import dense
 
-RELATIVE_TOLERANCE = 1e-9
-"""of the standard deviations: cofactors belong to the last linearisation, one step of 1e-8 standard deviations back"""
+RELATIVE_TOLERANCE = dense.SAME
 
 NAMES = [
     ("ww", "a3"),

@@ -105,10 +105,10 @@ def test_multiple_correlations_are_the_textbook(a: Adjustment) -> None:
     for j in range(len(found.names)):
         at = images + j
         rho = q[at, :images] @ np.linalg.inv(q[:images, :images]) @ q[:images, at] / q[at, at]
-        assert found.with_exterior[j] == pytest.approx(np.sqrt(rho), abs=1e-6)
-        assert found.with_all[j] == pytest.approx(np.sqrt(1.0 - 1.0 / (q[at, at] * inverse[at, at])), abs=1e-6)
+        assert found.with_exterior[j] == pytest.approx(np.sqrt(rho), abs=dense.SAME)
+        assert found.with_all[j] == pytest.approx(np.sqrt(1.0 - 1.0 / (q[at, at] * inverse[at, at])), abs=dense.SAME)
         owner, name, r = found.strongest[j]
-        assert a.correlation(("ww", found.names[j]), (owner, name))[0, 1] == pytest.approx(r, abs=1e-9)
+        assert a.correlation(("ww", found.names[j]), (owner, name))[0, 1] == pytest.approx(r, abs=dense.SAME)
 
 
 def test_a_camera_without_parameters(w: synthetic.World) -> None:

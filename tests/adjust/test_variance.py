@@ -10,6 +10,7 @@ from adjust.influence import Influence
 from adjust.variance import _helmert, groups_by_camera, variance_components
 from simfield.block import Block
 from tests import synthetic
+from tests.adjust import dense
 from tests.adjust.test_reliability import Textbook
 
 FACTORS = {"ww": 0.7, "sww": 1.5}
@@ -42,7 +43,7 @@ def test_helmerts_matrix(adjusted: Adjustment) -> None:
     r = book.r * root[:, None] / root
     expected = np.array([[np.sum(r[np.ix_(label == i, label == j)] ** 2) for j in range(3)] for i in range(3)])
     found, squares, count = _helmert(Influence.of(adjusted), label, 3)
-    np.testing.assert_allclose(found, expected, rtol=1e-9, atol=1e-8)
+    np.testing.assert_allclose(found, expected, rtol=dense.SAME, atol=0.0)
     np.testing.assert_allclose(squares, [np.sum((root * book.v)[label == i] ** 2) for i in range(3)], rtol=1e-10)
     np.testing.assert_array_equal(count, np.bincount(label))
     np.testing.assert_allclose(found.sum(axis=1), [np.diag(r)[label == i].sum() for i in range(3)], rtol=1e-10)

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 
 from simfield.block import Floats
 from simfield.simulate import World
-from studies.block_task import image_points
+from studies.drawn_trials import image_points
 
 KILLER = 41
 SLEEPER = 70

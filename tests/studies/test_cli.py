@@ -1,15 +1,19 @@
 """The command line: exit codes, streams, and what `adjust --json` holds."""
 
 import json
+import re
 import shutil
 import subprocess
 import sys
 import time
+import tomllib
+from pathlib import Path
 
 import pytest
 from click.testing import CliRunner
 
 from studies.cli import main
+from studies.installation import LIBRARIES
 
 HELP_SECONDS = 1.0
 """a bound for a loaded machine; 0.1 s is usual"""
@@ -162,6 +166,11 @@ def test_doctor_is_content():
     assert "numpy" in done.stdout
 
 
+def test_doctor_asks_for_every_dependency():
+    declared = tomllib.loads((Path(__file__).parents[2] / "pyproject.toml").read_text(encoding="utf-8"))
+    assert [re.split("[<>=]", each)[0] for each in declared["project"]["dependencies"]] == list(LIBRARIES)
+
+
 def test_interrupt_exits_130(folder, monkeypatch):
     def interrupted(*_):
         raise KeyboardInterrupt
@@ -187,7 +196,8 @@ def test_termination_exits_143(tmp_path):
 def test_help_is_quick_and_imports_nothing_heavy():
     code = (
         "import sys\nfrom studies.cli import main\nmain(['--help'], standalone_mode=False)\n"
-        "heavy = {'numpy', 'pandas', 'scipy', 'matplotlib', 'pydantic', 'joblib'} & set(sys.modules)\n"
+        "names = {'numpy', 'pandas', 'scipy', 'matplotlib', 'pydantic', 'joblib', 'numba', 'pyarrow', 'marimo'}\n"
+        "heavy = names & set(sys.modules)\n"
         "assert not heavy, heavy"
     )
     started = time.monotonic()

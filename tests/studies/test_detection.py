@@ -2,10 +2,16 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
+import pandas as pd
 import pytest
+from click.testing import CliRunner
 
 from adjust import adjust_block, ap_models
+from studies import detection_page
+from studies.cli import main
 from studies.detection import Share, detection, error_free, many_at_once
 from tests import synthetic
 
@@ -54,3 +60,34 @@ def test_many_at_once(ww_world: synthetic.World) -> None:
     assert (found["found"].iloc[1:] > 0.9).all()
     assert (found["accused_wrongly"] < 0.02).all()
     assert found.loc["data snooping", "point_rms_m"] < found.loc["none", "point_rms_m"]
+
+
+class TestCommand:
+    def test_it_writes_tables_figure_and_report(
+        self, ww_world: synthetic.World, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    ) -> None:
+        monkeypatch.setattr(detection_page, "SIZES", (0.0, 12.0))
+        monkeypatch.setattr(detection_page, "SHARES", (0.02,))
+        block = ww_world.with_noise(np.random.default_rng(1)).block
+        files = detection_page.write(tmp_path / "out", block, MODEL, 60, 2, 7, "a block")
+        assert sorted(f.name for f in files) == sorted(f.name for f in (tmp_path / "out").iterdir())
+        table = pd.read_csv(tmp_path / "out" / "detection.csv")
+        assert table["size_sigma"].tolist() == [0.0, 12.0] * 2
+        assert table["level"].nunique() == 2
+        expected = detection(block, MODEL, 60, 7, (12.0,))
+        assert table["found"][1] == pytest.approx(expected["found"][0], abs=5e-5)
+        assert table["false_alarms"][3] < table["false_alarms"][1]
+        report = (tmp_path / "out" / "report.md").read_text(encoding="utf-8")
+        assert "Largest deviation from theory" in report
+        assert "nan" not in report
+
+    def test_a_deviation_is_said(self) -> None:
+        row = {"size_sigma": 0.0, "level": 0.001, "power": 0.5, "power_theory": 0.4, "power_mcse": 0.02}
+        one = pd.DataFrame([{**row, "false_alarms": 0.0012, "false_alarms_mcse": 0.0001}])
+        np.testing.assert_allclose(detection_page.worst_deviation(one), (5.0, 2.0))
+
+    @pytest.mark.parametrize("arguments", [["no-such-preset"], ["rheidt-1980", "--ap", "no-such-set"]])
+    def test_wrong_calls(self, arguments: list[str]) -> None:
+        done = CliRunner().invoke(main, ["detection", *arguments])
+        assert done.exit_code == 2
+        assert "no-such" in done.stderr

@@ -9,6 +9,7 @@ from adjust import ap_models
 from simfield import presets
 from simfield.chain import chains
 from studies.error_budget import EVERYTHING, Budget, stages, table
+from studies.error_budget_page import page
 from studies.reduction import Plan
 
 TRIALS = 8
@@ -43,3 +44,15 @@ def test_squares_of_single_stages_add_up(found, name):
 def test_noise_is_in_the_residuals(found):
     assert found.loc["image noise", "m0_um"] == pytest.approx(4.0, rel=0.05)
     assert (found["n"] == TRIALS).all()
+    assert (found["failures"] == 0).all()
+
+
+def test_the_page_has_every_mean_with_its_error(found):
+    row = next(
+        line for line in page(found.reset_index(), TRIALS, 1980).splitlines() if line.startswith("| image noise")
+    )
+    noise = found.loc["image noise"]
+    assert f"{noise['m0_um']:.3f} ± {noise['m0_um_mcse']:.3f}" in row
+    assert f"{noise['mu_z_mm']:.2f} ± {noise['mu_z_mm_mcse']:.2f}" in row
+    # m0 scatters by sigma0 / sqrt(2 r) from flight to flight, with 6000 to 6100 redundant observations
+    assert noise["m0_um_mcse"] == pytest.approx(4.0 / np.sqrt(2.0 * 6010 * TRIALS), rel=0.5)

@@ -11,6 +11,7 @@ import pytest
 from click.testing import CliRunner
 
 from adjust import Adjustment, adjust_block, ap_models
+from adjust.model_choice import aic, bic, leave_one_image_out
 from adjust.reliability import Reliability
 from simfield.block import Block
 from simfield.block_folder import write_block
@@ -48,6 +49,11 @@ def test_the_figures_are_those_of_the_adjustment(a: Adjustment, found: protocol.
     assert sum(image["n"] for image in found["residuals_by_image"]) == len(a.block.observations)
     assert [each["name"] for each in found["ap_significance"]["sww"]] == list(a.ap["sww"].names)
     assert len(found["control"]) == 15
+    assert found["model_choice"] == {
+        "aic": aic(a),
+        "bic": bic(a),
+        "leave_one_image_out_um": leave_one_image_out(a).rms_um,
+    }
 
 
 def test_the_planted_error_is_suspected(a: Adjustment, found: protocol.Record) -> None:

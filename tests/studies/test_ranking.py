@@ -12,8 +12,8 @@ from simfield import build_world, presets
 from studies import ranking
 from studies.cells import Cell, measured
 from studies.methods import Method
-from studies.parts import Part
-from studies.trial_columns import nominal_columns, trial_columns
+from studies.parts import Part, noise_free_block
+from studies.trial_columns import Tracked, nominal_columns, trial_columns
 
 KEY = "m"
 
@@ -44,11 +44,12 @@ def trial():
     from adjust.replicates import adjust_replicates
 
     world = build_world(presets["grid-small"], 3)
-    part, model = Part.of(world, Method("brown14")), ap_models.get("brown14")
+    part, model = Part.of(world, noise_free_block(world), Method("brown14")), ap_models.get("brown14")
     xy, given = world.image_points(5)[None], world.given_coordinates(5)[None]
     replicates = adjust_replicates(part.block, model, xy, coordinates=given)
-    columns = {f"{KEY}|{k}": v for k, v in trial_columns(replicates, part, given).items()}
-    nominal = {f"{KEY}|{k}": v for k, v in nominal_columns(replicates.nominal, part).items()}
+    tracked = Tracked.of(replicates.nominal, part)
+    columns = {f"{KEY}|{k}": v for k, v in trial_columns(replicates, part, tracked, given).items()}
+    nominal = {f"{KEY}|{k}": v for k, v in nominal_columns(replicates.nominal, tracked).items()}
     alone = adjust_block(part.block.replace_image_points(xy[0]), model)
     return Cell.of(KEY, columns, nominal), alone, replicates.nominal
 

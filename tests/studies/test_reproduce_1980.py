@@ -19,7 +19,7 @@ from studies.reproduce_1980.trials import MEASURES, run_trials
 
 RMS_WITHOUT_AUX, RMS_WITH_AUX, RMS_AS_PRINTED = 0.04, 0.07, 0.12
 """bounds for the rms of the 91 differences to Table 2 of the camera that fits best"""
-FIGURES = ("table1", "table2_sww", "table2_ww", "erratum", "z0_correlations", "standard_errors")
+FIGURES = ("plan", "ellipses", "table1", "table2_sww", "table2_ww", "erratum", "z0_correlations", "standard_errors")
 
 
 @pytest.fixture(scope="module")

@@ -11,6 +11,7 @@ import pytest
 from adjust import ap_models
 from studies import shipped
 from studies.conditions import condition_seed, conditions_of
+from studies.factors import NAMED
 from studies.methods import MODEL_SETTINGS, methods_of, references
 from studies.study import LARGEST_FILE, StudyError, read_study, study_from_text
 from tests.studies.small_study import TEXT, study
@@ -39,6 +40,16 @@ def test_several_wrong_types_and_unknown_keys_are_reported_at_once() -> None:
     assert any(line.startswith('trials.max: found "many", allowed: a integer') for line in found)
     assert "trials.maxx: unknown key, did you mean 'max'?" in found
     assert any(line.startswith("study.name: found 5, allowed:") for line in found)
+
+
+def test_faults_of_form_hide_no_fault_of_content() -> None:
+    wrong = TEXT.replace("max = 96", 'max = "many"\nblok = 3').replace('"optical"', '"opticl"')
+    wrong = wrong.replace('name = "small"', 'name = "A B"').replace('"grid-small"', '"grid-smal"')
+    wrong = wrong.replace("[grid]", "[grid]\nnoise_umm = [1.0]")
+    places = ("trials.max", "trials.blok", "study.name", "methods.ap[1]", "scenario.preset", "grid.noise_umm")
+    found = faults(wrong)
+    assert [place for place in places if not any(line.startswith(f"{place}: ") for line in found)] == []
+    assert len(found) == len(places)
 
 
 @pytest.mark.parametrize(
@@ -196,3 +207,56 @@ def test_a_dry_run_imports_no_numerics() -> None:
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60, check=True)
     assert done.stdout.strip() == "[]"
+
+
+LEVELS = {
+    "noise_um": "[3.0, 6.0]",
+    "noise_times": "[0.5, 2.0]",
+    "assumed_um": "[4.0, 5.5]",
+    "geodetic_mm": "[0.0, 9.5]",
+    "scale": "[9000.0, 10000.0]",
+    "scale_times": "[0.9, 1.1]",
+    "forward_overlap": "[0.5, 0.8]",
+    "sidelap": "[0.2, 0.4]",
+    "strips": "[2, 8]",
+    "images_per_strip": "[2, 5]",
+    "headings_gon": "[[0.0], [0.0, 100.0]]",
+    "spacing_m": "[400.0, 600.0]",
+    "points_per_side": "[3, 4]",
+    "group_size": "[1, 2]",
+    "relief_m": "[0.0, 40.0]",
+    "control": '["corners", "perimeter"]',
+    "control_sigma_xy_mm": "[5.0, 20.0]",
+    "control_sigma_z_mm": "[5.0, 20.0]",
+    "lens": "[0.0, 2.0]",
+    '"effects[0].effect.r0_mm"': "[90.0, 110.0]",
+}
+"""two levels of every factor, none of them that of the scenario"""
+EVERYTHING = """
+[study]
+name = "everything"
+question = "Can it be swept?"
+seed = 1
+[scenario]
+preset = "rheidt-1980"
+measurement = { unused_groups = [], counts = {} }
+[factors]
+lens = { paths = ["effects[0].effect.k1", "effects[1].effect.k1"], times = true }
+[grid]
+FACTOR = LEVELS
+[methods]
+ap = ["none"]
+"""
+
+
+@pytest.mark.parametrize("factor", LEVELS)
+def test_everything_in_the_scenario_can_be_a_factor(factor: str) -> None:
+    asked = study_from_text(EVERYTHING.replace("FACTOR", factor).replace("LEVELS", LEVELS[factor]))
+    base = conditions_of(study_from_text(EVERYTHING.replace("FACTOR = LEVELS", "")))
+    scenarios = [c.scenario for c in (*base, *conditions_of(asked))]
+    assert len(scenarios) == 3
+    assert all(scenarios[i] != scenarios[j] for i, j in ((0, 1), (0, 2), (1, 2)))
+
+
+def test_every_named_factor_is_tried() -> None:
+    assert set(NAMED) <= set(LEVELS)

@@ -1,0 +1,56 @@
+"""Markdown becomes HTML without links and without HTML of its own."""
+
+from studies.inline_svg import Drawing
+from studies.markdown_html import converted
+from studies.markdown_text import escaped, fenced
+
+HOSTILE = "<script>alert(1)</script> [x](https://example.org) <https://example.org> `a` *b* | $c$ & \\ ~~d~~"
+
+
+def figure(name, title):
+    return Drawing(900.0, f"{title} & {name}", "says <it>", "<svg></svg>")
+
+
+def test_the_text_of_others_stands_as_it_is():
+    page = converted(f"# {escaped(HOSTILE)}\n\n{escaped(HOSTILE)}\n\n| {escaped(HOSTILE)} |\n| --- |\n| x |\n", figure)
+    assert page.title == HOSTILE
+    shown = HOSTILE.replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;")
+    assert f"<p>{shown}</p>" in page.body
+    assert f'<th scope="col">{shown}</th>' in page.body
+
+
+def test_html_and_links_in_markdown_do_nothing():
+    page = converted("<script>x</script>\n\n[a](javascript:x) <https://b.org>\n\n[c]: https://c.org\n\n[c]\n", figure)
+    assert "<script" not in page.body
+    assert "<a" not in page.body
+    assert "href" not in page.body
+
+
+def test_figures_stand_alone_with_their_caption():
+    page = converted("![T](a.svg)\n\n![U](b.svg) text\n", figure)
+    assert page.body.startswith('<figure class="wide"')
+    assert "<figcaption><b>T &amp; a.svg.</b> says &lt;it&gt;</figcaption></figure>" in page.body
+    assert page.body.count("<p>") == 1
+
+
+def test_sections_have_anchors_of_their_own():
+    page = converted("# Title\n\n## One `two`\n\n## One two\n", figure)
+    (first, said), (second, _) = page.sections
+    assert said == "One two"
+    assert first != second
+    assert f'<h2 id="{first}">' in page.body
+    assert "<h1" not in page.body
+
+
+def test_tables_scroll_on_their_own():
+    page = converted("| a | b |\n| --- | ---: |\n| 1 | 2 |\n", figure)
+    assert page.body.startswith('<div class="table" role="region" aria-label="table" tabindex="0"><table>')
+    assert '<th scope="col" style="text-align:right">b</th>' in page.body
+
+
+def test_a_fence_is_longer_than_any_in_the_text():
+    text = 'question = """\n```\n<b>````\n"""'
+    page = converted(fenced(text), figure)
+    assert page.body.count("<pre>") == 1
+    assert "````" in page.body
+    assert "&lt;b&gt;" in page.body
