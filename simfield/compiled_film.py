@@ -1,7 +1,8 @@
 """The film of many trials in compiled loops: coefficients drawn by counter, and measured = ideal + d(measured) solved.
 
 Trials are the last, contiguous axis; T of them, a multiple of PERIOD. The arithmetic of a trial does not depend on its
-neighbours. The readable forms are `simfield.distortion.draw_film` and `measured_from_ideal`.
+neighbours, but its last bit may depend on T, as loops are compiled in pieces of some width; so T is always the same.
+The readable forms are `simfield.distortion.draw_film` and `measured_from_ideal`.
 """
 
 from __future__ import annotations
@@ -9,7 +10,7 @@ from __future__ import annotations
 import numba
 import numpy as np
 
-from simfield.compiled_draws import _box_muller, _philox
+from simfield.compiled_draws import PERIOD, _box_muller, _philox
 
 COLUMNS = 9
 CORRECTIONS = 2
@@ -97,21 +98,23 @@ def solve_film(x, y, local, row, c, shift, u):  # type: ignore[no-untyped-def]
 def add_film(lanes, start, rows, ends, place, local, table_ends, column, sigma, key, owner):  # type: ignore[no-untyped-def]
     """Add place (k, 2) and the film's displacement of the trials from `start` on to lanes (tiles, k, 2, 8).
 
+    Two tiles are computed at a time.
+
     rows: the observations sorted by image, those of image i from ends[i] to ends[i + 1]; table_ends likewise for the
     FilmTable (column, sigma, key, owner); local (k, 2, 5).
     """
-    count = 8 * lanes.shape[0]
-    drawn, pair, u = np.empty((4, count // 2)), np.empty((2, count)), np.empty((2, count))
-    c, still = np.empty((2, COLUMNS, count)), np.zeros((2, count))
-    for i in range(len(ends) - 1):
-        if ends[i] == ends[i + 1]:
-            continue
-        film_coefficients(table_ends[i], table_ends[i + 1], column, sigma, key, owner, start, drawn, pair, c)
-        for at in range(ends[i], ends[i + 1]):
-            row = rows[at]
-            x, y = place[row, 0], place[row, 1]
-            solve_film(x, y, local, row, c, still, u)
-            for tile in range(lanes.shape[0]):
-                for t in range(8):
-                    lanes[tile, row, 0, t] += x + u[0, 8 * tile + t]
-                    lanes[tile, row, 1, t] += y + u[1, 8 * tile + t]
+    drawn, pair, u = np.empty((4, 8)), np.empty((2, PERIOD)), np.empty((2, PERIOD))
+    c, still = np.empty((2, COLUMNS, PERIOD)), np.zeros((2, PERIOD))
+    for two in range(0, lanes.shape[0], 2):
+        own = start + 8 * two
+        for i in range(len(ends) - 1):
+            if ends[i] == ends[i + 1]:
+                continue
+            film_coefficients(table_ends[i], table_ends[i + 1], column, sigma, key, owner, own, drawn, pair, c)
+            for at in range(ends[i], ends[i + 1]):
+                row = rows[at]
+                x, y = place[row, 0], place[row, 1]
+                solve_film(x, y, local, row, c, still, u)
+                for t in range(PERIOD):
+                    lanes[two + t // 8, row, 0, t % 8] += x + u[0, t]
+                    lanes[two + t // 8, row, 1, t % 8] += y + u[1, t]

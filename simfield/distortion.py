@@ -13,7 +13,7 @@ import numpy as np
 
 from simfield.block import Floats, Indices
 from simfield.counter_normals import Words, normal_pairs
-from simfield.effects import EffectOn, FilmAffine, FilmPolynomial
+from simfield.effects import Effect, EffectOn, FilmAffine, FilmPolynomial
 from simfield.flights import FlightPlan
 from simfield.streams import counter_key
 
@@ -145,19 +145,26 @@ def _owners(variation: FilmVariation, plan: FlightPlan) -> tuple[str, ...]:
 def systematic(effects: Sequence[EffectOn], plan: FlightPlan, image: Indices) -> Callable[[Floats], Floats]:
     """The summed displacement of image points (k, 2) that lie in the images (k)."""
     names = list(zip(plan.camera_ids, plan.flight_ids, plan.image_ids, strict=True))
-    parts = []
+    parts: list[tuple[Effect, slice | Indices]] = []
     for on in effects:
         acts = np.array([on.acts_on(*name) for name in names], dtype=bool)[image]
         if acts.any():
             parts.append((on.effect, slice(None) if acts.all() else np.flatnonzero(acts)))
 
-    def displacement(xy_mm: Floats) -> Floats:
+    return _Sum(tuple(parts))
+
+
+@dataclass(frozen=True, eq=False)
+class _Sum:
+    """Effects with the rows that they act on, summed; a class, so that it can travel to another process."""
+
+    parts: tuple[tuple[Effect, slice | Indices], ...]
+
+    def __call__(self, xy_mm: Floats) -> Floats:
         d = np.zeros_like(xy_mm)
-        for effect, rows in parts:
+        for effect, rows in self.parts:
             d[rows] += effect.displacement(xy_mm[rows])
         return d
-
-    return displacement
 
 
 def measured_from_ideal(ideal: Floats, displacement: Callable[[Floats], Floats], start: Floats | None = None) -> Floats:

@@ -45,7 +45,7 @@ def reduce(raw: Path, folder: Path, inner: str, reseau: int | None, without: tup
 
 @click.command()
 @click.option("--out", type=FOLDER, default="results/error-budget", show_default=True, help="Folder to write.")
-@click.option("--trials", type=click.IntRange(2), default=100, show_default=True, help="Measured flights a stage.")
+@click.option("--trials", type=click.IntRange(2), default=500, show_default=True, help="Measured flights a stage.")
 @click.option("--seed", type=click.IntRange(0), default=1980, show_default=True, help="Seed of all that is random.")
 def budget(out: Path, trials: int, seed: int) -> None:
     """Say how much every stage of the measurement chain puts into images and check points."""

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import numba
 import numpy as np
 
-from adjust.reductions.compiled import reduce_image
+from adjust.reductions.compiled import reduce_image, without_lens_and_air
 from simfield.block import Floats, Indices
 from simfield.chain.compiled import below_share, measure_image
 from simfield.expansion import REACH_MM
@@ -18,12 +18,14 @@ from simfield.expansion import REACH_MM
 class Tail(NamedTuple):
     """What lens and air take out of the n points, around places (n, 2) where they come to lie but for errors.
 
-    removed (n, 2) mm there and local (n, 2, 5) around (simfield.expansion); wanted: whether anything is taken out.
+    removed (n, 2) mm there and local (n, 2, 5) around (simfield.expansion); smooth (n): whether that may be used, which
+    is not near the centre, where a certificate has no direction; wanted: whether anything is taken out at all.
     """
 
     place: Floats
     removed: Floats
     local: Floats
+    smooth: Any
     wanted: bool
 
 
@@ -39,13 +41,12 @@ class Confusion(NamedTuple):
 
 
 @numba.njit(cache=True, error_model="numpy")
-def measure_and_reduce(lanes, far, start, points, marks, session, frame, tail, confusion, column):  # type: ignore[no-untyped-def]
-    """Image coordinates of the trials from `start` on into lanes (tiles, k, 2, 8); returns how many points are far.
+def measure_and_reduce(lanes, start, points, marks, session, frame, tail, optics, confusion, column):  # type: ignore[no-untyped-def]
+    """Image coordinates of the trials from `start` on into lanes (tiles, k, 2, 8).
 
-    column (n): where each of the sorted points goes. far (k, T): points beyond the reach of the tail's expansion, which
-    are left as they are before it.
+    column (n): where each of the sorted points goes. What lies beyond the certificate of its lens becomes NaN.
     """
-    count, beyond = 8 * lanes.shape[0], 0
+    count = 8 * lanes.shape[0]
     drawn, pair = np.empty((4, count // 2)), np.empty((2, count))
     for i in range(len(points.ends) - 1):
         begin, end = points.ends[i], points.ends[i + 1]
@@ -56,24 +57,24 @@ def measure_and_reduce(lanes, far, start, points, marks, session, frame, tail, c
         measure_image(i, start, points, marks, session, drawn, pair, xy, mark_xy)
         reduce_image(i, frame, points.time[begin:end], marks.time[first:last], xy, mark_xy)
         for at in range(end - begin):
-            beyond += _put_down(begin + at, at, tail, xy, far, column[begin + at], lanes)
+            _put_down(begin + at, at, i, tail, optics, xy, column[begin + at], lanes)
         if confusion.share > 0:
-            _exchange(i, start, confusion, points, column, lanes, far)
-    return beyond
+            _exchange(i, start, confusion, points, column, lanes)
 
 
 @numba.njit(cache=True, error_model="numpy")
-def _put_down(n, at, tail, xy, far, row, lanes):  # type: ignore[no-untyped-def]
-    """Point n of all, xy[at] (2, T), into lanes[:, row] without what its expansion says; returns how many are far."""
-    local, beyond = tail.local, 0
+def _put_down(n, at, i, tail, optics, xy, row, lanes):  # type: ignore[no-untyped-def]
+    """Point n of all, xy[at] (2, T) of image i, into lanes[:, row] without what lens and air have done."""
+    local = tail.local
     if not tail.wanted:
         for tile in range(lanes.shape[0]):
             for t in range(8):
                 lanes[tile, row, 0, t], lanes[tile, row, 1, t] = xy[at, 0, 8 * tile + t], xy[at, 1, 8 * tile + t]
-        return 0
+        return
     a0, a1, a2, a3, a4 = local[n, 0, 0], local[n, 0, 1], local[n, 0, 2], local[n, 0, 3], local[n, 0, 4]
     b0, b1, b2, b3, b4 = local[n, 1, 0], local[n, 1, 1], local[n, 1, 2], local[n, 1, 3], local[n, 1, 4]
     x, y, dx, dy = tail.place[n, 0], tail.place[n, 1], tail.removed[n, 0], tail.removed[n, 1]
+    reach = REACH_MM * REACH_MM if tail.smooth[n] else -1.0
     most = 0.0
     for tile in range(lanes.shape[0]):
         for t in range(8):
@@ -83,22 +84,19 @@ def _put_down(n, at, tail, xy, far, row, lanes):  # type: ignore[no-untyped-def]
             most = max(most, uu + vv)
             lanes[tile, row, 0, t] = p - (dx + (a0 * u + a1 * v + a2 * uu + a3 * uv + a4 * vv))
             lanes[tile, row, 1, t] = q - (dy + (b0 * u + b1 * v + b2 * uu + b3 * uv + b4 * vv))
-    if most <= REACH_MM * REACH_MM:
-        return 0
+    if most <= reach:
+        return
     for tile in range(lanes.shape[0]):
         for t in range(8):
             p, q = xy[at, 0, 8 * tile + t], xy[at, 1, 8 * tile + t]
-            if (p - x) ** 2 + (q - y) ** 2 > REACH_MM * REACH_MM:
-                lanes[tile, row, 0, t], lanes[tile, row, 1, t] = p, q
-                far[n, 8 * tile + t] = True
-                beyond += 1
-    return beyond
+            if (p - x) ** 2 + (q - y) ** 2 > reach:
+                lanes[tile, row, 0, t], lanes[tile, row, 1, t] = without_lens_and_air(i, optics, p, q)
 
 
 @numba.njit(cache=True, error_model="numpy")
-def _exchange(i, start, confusion, points, column, lanes, far):  # type: ignore[no-untyped-def]
+def _exchange(i, start, confusion, points, column, lanes):  # type: ignore[no-untyped-def]
     """Exchange the coordinates of the pairs of image i that were taken for each other."""
-    count = far.shape[1]
+    count = 8 * lanes.shape[0]
     hit, word = np.empty(count, dtype=np.bool_), np.empty((4, count // 4), dtype=np.uint64)
     k = confusion.key
     for p in range(confusion.ends[i], confusion.ends[i + 1]):
@@ -107,7 +105,6 @@ def _exchange(i, start, confusion, points, column, lanes, far):  # type: ignore[
             here, there = column[one], column[other]
             for t in range(count):
                 if hit[t]:
-                    far[one, t], far[other, t] = far[other, t], far[one, t]
                     for axis in range(2):
                         a, b = lanes[t // 8, here, axis, t % 8], lanes[t // 8, there, axis, t % 8]
                         lanes[t // 8, here, axis, t % 8], lanes[t // 8, there, axis, t % 8] = b, a

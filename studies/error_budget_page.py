@@ -83,7 +83,7 @@ def draw_images(axes: Axes, found: pd.DataFrame) -> None:
     for y, end, stage_um in zip(place.tolist(), start.tolist(), found["put_in_um"], strict=True):
         axes.text(end, y, f" {stage_um:.1f}", va="center", fontsize=7)
     axes.set_yticks(place, found["stage"])
-    axes.set_xlabel("squares of image coordinates, um² (figure: um put in)")
+    axes.set_xlabel("squares of image coordinates, µm² (beside the bars: µm put in)")
     axes.set_xlim(0.0, 1.12 * start.max())
     axes.legend(loc="upper right", fontsize=7)
 

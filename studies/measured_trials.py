@@ -22,8 +22,10 @@ from simfield.expansion import second_order
 from simfield.streams import counter_key
 from studies.reduction import Plan, marks_of, through_lens_and_air
 
-PERIOD = 16
-"""trials that are drawn together"""
+TOGETHER = 32
+"""trials that are computed together, always the same, so that their bits do not hang on the block"""
+NEAR_CENTRE_MM = 10.0
+"""where a certificate's second order goes with the inverse of the radius, and the formula itself is used"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,11 +68,12 @@ class MeasuredTrials:
     def fill_lanes(self, trials: slice, lanes: Floats) -> None:
         """Measure into lanes (tiles, k, 2, WIDTH), as `simfield.draws.ImagePointDraws.fill_lanes` does."""
         number = self.start + trials.start
-        early, tiles = number % PERIOD, len(lanes)
-        if not early and not tiles % 2:
+        early, tiles = number % TOGETHER, len(lanes)
+        if not early and not WIDTH * tiles % TOGETHER:
             self._fill(lanes, number)
             return
-        whole = np.empty((tiles + 2 + tiles % 2, *lanes.shape[1:]))
+        blocks = -(-(early + WIDTH * tiles) // TOGETHER)
+        whole = np.empty((blocks * TOGETHER // WIDTH, *lanes.shape[1:]))
         self._fill(whole, number - early)
         in_a_row = whole.transpose(0, 3, 1, 2).reshape(-1, *lanes.shape[1:3])[early : early + WIDTH * tiles]
         lanes[:] = in_a_row.reshape(tiles, WIDTH, *lanes.shape[1:3]).transpose(0, 2, 3, 1)
@@ -84,23 +87,13 @@ class MeasuredTrials:
 
         parts, kept, places = self._tables
         wide = lanes if kept is None else np.empty((len(lanes), self.prepared.count, 2, WIDTH))
-        far = np.zeros((len(places), WIDTH * len(lanes)), dtype=np.bool_)
-        if measure_and_reduce(wide, far, number, *parts, places):  # type: ignore[call-arg]
-            self._far(wide, far, places)
+        for tile in range(0, len(wide), TOGETHER // WIDTH):
+            own = wide[tile : tile + TOGETHER // WIDTH]
+            measure_and_reduce(own, number + WIDTH * tile, *parts, places)  # type: ignore[call-arg]
         if kept is not None:
             lanes[:] = wide[:, kept]
-
-    def _far(self, lanes: Floats, far: Any, places: Indices) -> None:
-        """Take lens and air out of the few points that errors have thrown far, by the formulas themselves."""
-        assert self.plan is not None
-        at, trial = np.nonzero(far)
-        row = places[at]
-        observed = self._sorted[at]
-        tile, lane = trial // WIDTH, trial % WIDTH
-        xy = lanes[tile, row, :, lane]
-        lanes[tile, row, :, lane] = through_lens_and_air(
-            self._raw, self.plan, xy, self.prepared.world.image[observed], {}
-        )
+        if np.isnan(lanes).any():
+            raise ValueError("an error has thrown a point beyond the certificate of its lens")
 
     @cached_property
     def _raw(self) -> Raw:
@@ -128,10 +121,10 @@ class MeasuredTrials:
         rows = np.arange(self.prepared.count) if self._whole or self.rows is None else self.rows
         places = np.argsort(image[rows], kind="stable")
         points, marks, session = tables(self.prepared, self._sorted)
-        parts = (points, marks, session, self._frame(marks), self._tail(points), self._confusion(places))
+        parts = (points, marks, session, self._frame(), self._tail(), self._optics(), self._confusion(places))
         return parts, self.rows if self._whole else None, places
 
-    def _frame(self, marks: Any) -> Any:
+    def _frame(self) -> Any:
         from adjust.reductions import compiled
 
         raw, plan, images = self._raw, self.plan, len(self.prepared.world.plan)
@@ -155,7 +148,7 @@ class MeasuredTrials:
             np.flatnonzero(kinds == "reseau"),
         )
 
-    def _tail(self, points: Any) -> Any:
+    def _tail(self) -> Any:
         from studies.compiled_chain import Tail
 
         plan = self.plan
@@ -163,12 +156,32 @@ class MeasuredTrials:
         place = self.prepared.exposed[self._sorted]
         image = self.prepared.world.image[self._sorted]
         if plan is None or not (plan.lens or plan.refraction or plan.curvature):
-            return Tail(place, np.zeros_like(place), np.zeros((len(place), 2, 5)), False)
+            return Tail(
+                place, np.zeros_like(place), np.zeros((len(place), 2, 5)), np.ones(len(place), dtype=bool), False
+            )
 
         def removed(xy: Floats) -> Floats:
             return xy - through_lens_and_air(self._raw, plan, xy, image, {})
 
-        return Tail(place, removed(place), second_order(removed, place), True)
+        smooth = np.hypot(*place.T) > NEAR_CENTRE_MM
+        return Tail(place, removed(place), second_order(removed, place), smooth, True)
+
+    def _optics(self) -> Any:
+        from adjust.reductions.air import MEAN_RADIUS_M, bending
+        from adjust.reductions.compiled import optics
+
+        raw, plan = self._raw, self.plan
+        cameras, camera = raw.block.cameras, raw.block.images.camera
+        camera_m, ground_m = raw.heights.T
+        nothing = np.zeros(len(camera))
+        numbers = {c.camera_id: i for i, c in enumerate(cameras)}
+        return optics(
+            {numbers[name]: own for name, own in raw.certificates.items()} if plan is not None and plan.lens else {},
+            camera,
+            bending(camera_m, ground_m) if plan is not None and plan.refraction else nothing,
+            0.5 * (camera_m - ground_m) / MEAN_RADIUS_M if plan is not None and plan.curvature else nothing,
+            np.array([c.c_mm for c in cameras])[camera],
+        )
 
     def _confusion(self, places: Indices) -> Any:
         from studies.compiled_chain import Confusion

@@ -11,6 +11,11 @@ from scipy.interpolate import CubicSpline
 from adjust.reductions.reduced import Reduced
 from simfield.block import Floats
 
+TO_HARMONICS = np.array(
+    [[0.25, 0.25, 0.25, 0.25], [0.5, 0.0, -0.5, 0.0], [0.0, 0.5, 0.0, -0.5], [0.25, -0.25, 0.25, -0.25]]
+)
+"""mean, cosine, sine and cosine of twice the angle that go through the values on four half-diagonals"""
+
 
 def radial(xy: Floats, radius_mm: Floats, distortion_um: Floats) -> Reduced:
     """Radial distortion by a certificate: radii (r) mm, distortions (4, r) um along the half-diagonals at 45, 135,
@@ -21,23 +26,23 @@ def radial(xy: Floats, radius_mm: Floats, distortion_um: Floats) -> Reduced:
     r = np.hypot(*xy.T)
     if r.size and r.max() > radius_mm[-1]:
         raise ValueError(f"a point at {r.max():.3f} mm lies beyond the certificate, which ends at {radius_mm[-1]:g} mm")
-    curves = np.atleast_2d(distortion_um)
-    nodes = np.asarray(radius_mm, dtype=float)
-    if nodes[0] > 0.0:
-        nodes, curves = np.append(0.0, nodes), np.column_stack([np.zeros(len(curves)), curves])
-    along = 1e-3 * CubicSpline(nodes, curves.T, bc_type="natural")(r)
-    if along.shape[1] == 1:
-        along = np.repeat(along, 4, axis=1)
+    along = half_diagonals(radius_mm, distortion_um)(r)
     # cosine and sine of the angle from the first half-diagonal, without the angle itself
     safe = np.where(r > 0.0, r, 1.0)
     cosine = (xy[:, 0] + xy[:, 1]) / (np.sqrt(2.0) * safe)
     sine = (xy[:, 1] - xy[:, 0]) / (np.sqrt(2.0) * safe)
     harmonics = np.column_stack([np.ones_like(r), cosine, sine, cosine**2 - sine**2])
-    to_harmonics = np.array(
-        [[0.25, 0.25, 0.25, 0.25], [0.5, 0, -0.5, 0], [0, 0.5, 0, -0.5], [0.25, -0.25, 0.25, -0.25]]
-    )
-    amount = np.sum(harmonics * (along @ to_harmonics.T), axis=1)
+    amount = np.sum(harmonics * (along @ TO_HARMONICS.T), axis=1)
     return Reduced.by(xy, xy * (1.0 - amount / safe)[:, None])
+
+
+def half_diagonals(radius_mm: Floats, distortion_um: Floats) -> CubicSpline:
+    """The distortion along the four half-diagonals, mm, over the radius: natural cubic splines through the centre."""
+    curves, nodes = np.atleast_2d(distortion_um), np.asarray(radius_mm, dtype=float)
+    if nodes[0] > 0.0:
+        nodes, curves = np.append(0.0, nodes), np.column_stack([np.zeros(len(curves)), curves])
+    four = np.broadcast_to(curves, (4, curves.shape[1]))
+    return CubicSpline(nodes, 1e-3 * four.T, bc_type="natural")
 
 
 def decentering(xy: Floats, p1: float, p2: float) -> Reduced:

@@ -172,8 +172,9 @@ def measure_image(i, start, points, marks, session, drawn, pair, xy, mark_xy):  
 def _settings(begin, places, session, can_be_gross, start, c, field, turn, placed, drawn, pair, out):  # type: ignore[no-untyped-def]
     """out (n, 2, T): the rows of `places` from `begin` on, as many as out has."""
     lanes = pair.shape[1]
-    shift, u, set_ = np.zeros((2, lanes)), np.zeros((2, lanes)), np.zeros((2, lanes))
-    smooth, spread = field.reshape(len(field), 2 * lanes), shift.reshape(2 * lanes)
+    here, there = np.zeros(2 * lanes), np.zeros(2 * lanes)
+    shift_here, shift_there = here.reshape(2, lanes), there.reshape(2, lanes)
+    u, set_, smooth = np.zeros((2, lanes)), np.zeros((2, lanes)), field.reshape(len(field), 2 * lanes)
     deformed = session.table_ends[-1] > 0 or len(field) > 0
     gross = can_be_gross and session.gross_share > 0
     m00, m01, m11 = session.matrix[0, 0], session.matrix[0, 1], session.matrix[1, 1]
@@ -184,8 +185,9 @@ def _settings(begin, places, session, can_be_gross, start, c, field, turn, place
         x, y, by_pointing = places.place[row, 0], places.place[row, 1], places.sigma[row]
         first, second = places.first[row], places.second[row]
         if deformed:
-            _smooth(places.modes, row, smooth, spread)
-            solve_film(x, y, places.local, row, c, shift, u)
+            if at % 2 == 0:
+                _smooth(places.modes, row, min(row + 1, begin + len(out) - 1), smooth, here, there)
+            solve_film(x, y, places.local, row, c, shift_here if at % 2 == 0 else shift_there, u)
         if gross:
             _gross(first, second, start, session, drawn, pair, u)
         if by_pointing > 0.0:
@@ -204,23 +206,20 @@ def _settings(begin, places, session, can_be_gross, start, c, field, turn, place
 
 
 @numba.njit(cache=True, error_model="numpy", fastmath={"contract"})
-def _smooth(modes, row, field, out):  # type: ignore[no-untyped-def]
-    """out (2 T) = modes[row] (q) field (q, 2 T)."""
-    for t in range(len(out)):
-        out[t] = 0.0
-    count = len(field)
-    eight = count // 8 * 8
-    for q in range(0, eight, 8):
-        a, b, c, d = modes[row, q], modes[row, q + 1], modes[row, q + 2], modes[row, q + 3]
-        e, f, g, h = modes[row, q + 4], modes[row, q + 5], modes[row, q + 6], modes[row, q + 7]
-        for t in range(len(out)):
-            out[t] += ((a * field[q, t] + b * field[q + 1, t]) + (c * field[q + 2, t] + d * field[q + 3, t])) + (
-                (e * field[q + 4, t] + f * field[q + 5, t]) + (g * field[q + 6, t] + h * field[q + 7, t])
-            )
-    for q in range(eight, count):
-        a = modes[row, q]
-        for t in range(len(out)):
-            out[t] += a * field[q, t]
+def _smooth(modes, one, two, field, first, second):  # type: ignore[no-untyped-def]
+    """first and second (2 T) = modes[one] and modes[two] (q) times field (q, 2 T), q a multiple of MODES_TOGETHER."""
+    for t in range(len(first)):
+        first[t], second[t] = 0.0, 0.0
+    for q in range(0, len(field), 8):
+        a, b, c, d = modes[one, q], modes[one, q + 1], modes[one, q + 2], modes[one, q + 3]
+        e, f, g, h = modes[one, q + 4], modes[one, q + 5], modes[one, q + 6], modes[one, q + 7]
+        i, j, k, l = modes[two, q], modes[two, q + 1], modes[two, q + 2], modes[two, q + 3]  # noqa: E741
+        m, n, o, p = modes[two, q + 4], modes[two, q + 5], modes[two, q + 6], modes[two, q + 7]
+        for t in range(len(first)):
+            z0, z1, z2, z3 = field[q, t], field[q + 1, t], field[q + 2, t], field[q + 3, t]
+            z4, z5, z6, z7 = field[q + 4, t], field[q + 5, t], field[q + 6, t], field[q + 7, t]
+            first[t] += ((a * z0 + b * z1) + (c * z2 + d * z3)) + ((e * z4 + f * z5) + (g * z6 + h * z7))
+            second[t] += ((i * z0 + j * z1) + (k * z2 + l * z3)) + ((m * z4 + n * z5) + (o * z6 + p * z7))
 
 
 @numba.njit(cache=True, error_model="numpy")

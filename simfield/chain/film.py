@@ -13,8 +13,11 @@ from simfield.counter_normals import Words, normal_pairs
 from simfield.streams import counter_key
 
 NODES_PER_LENGTH = 12
-SHORT_OF_VARIANCE = 1e-3
-"""share of the variance that the modes left out would have had, over the whole format"""
+SHORT_OF_VARIANCE = 1e-2
+"""the most of the variance that the modes left out may have, over the whole format; the standard deviation is short by
+half of it, in the corners too"""
+MODES_TOGETHER = 8
+"""modes are taken up to the next multiple, since so many are summed at a time"""
 
 
 @dataclass(frozen=True)
@@ -68,7 +71,8 @@ def field_at(field: RandomField, xy_mm: Floats, owner: tuple[str, ...], half_mm:
     values, vectors = values[::-1], vectors[:, ::-1]
     strength = np.outer(values, values).ravel() / (2.0 * half_mm) ** 2
     order = np.argsort(-strength, kind="stable")
-    kept = order[: 1 + int(np.searchsorted(np.cumsum(strength[order]), 1.0 - SHORT_OF_VARIANCE))]
+    needed = 1 + int(np.searchsorted(np.cumsum(strength[order]), 1.0 - SHORT_OF_VARIANCE))
+    kept = order[: -(-needed // MODES_TOGETHER) * MODES_TOGETHER]
     in_x, in_y = np.unravel_index(kept, (count, count))
     along_x, along_y = (_modes(xy_mm[:, axis], nodes, field.length_mm, root, values, vectors) for axis in (0, 1))
     owners = np.array([zlib.crc32(name.encode()) for name in owner], dtype=np.uint64)

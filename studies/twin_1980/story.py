@@ -36,7 +36,7 @@ def _write(found: Findings, folder: Path, command: str) -> list[Path]:
     tables = {
         "components": (pages.components_table(found), sizes),
         "fixed-terms": (pages.terms_table(found), {"um_at_100mm": ".1f"}),
-        "ap-sets": (found.ap_sets, {"median_f": ".3f", "significant": ".3f"}),
+        "ap-sets": (found.ap_sets, dict.fromkeys(("median_f", "significant", "mu_xy", "mu_z"), ".3f")),
     }
     for reading, twin in found.twins.items():
         ending = "" if reading == MAIN else f"-{reading}"

@@ -87,7 +87,7 @@ def test_terms_of_a_fixed_world_are_its_effects():
 def test_the_f_test_counts_what_the_finer_choice_adds():
     world = build_world(presets["rheidt-1980"], 5)
     steps = ap_sets._steps(world.observe(0)[0], "torlegard")
-    assert [step[1] for step in steps] == [12, 54, 156]
+    assert [step.test.k for step in steps] == [12, 54, 156]
 
 
 def test_the_measured_file_goes_round(tmp_path):
