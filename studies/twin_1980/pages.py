@@ -199,7 +199,8 @@ def _sets(found: Findings) -> str:
     return (
         "The paper's open question, put to the twins: F test of the finer choice against the coarser, "
         f"{found.ap_sets['n'].max()} experiments each; `significant` is the share with a probability below 5 %, "
-        "`mu_xy` and `mu_z` are the errors at check points with the finer choice as shares of those with the coarser (medians)."
+        "`mu_xy` and `mu_z` are the errors at check points with the finer choice as shares of those with the coarser "
+        "(medians)."
         f"\n\n{markdown(found.ap_sets, digits)}\n{_answer(found.ap_sets)}\n"
         "In rheidt-1980 every image of a camera has the same distortion, so the share there is that of false alarms; "
         "with optical it is no false alarm, because that model lacks the affinity. The two cameras, of different "
