@@ -24,6 +24,9 @@ NO_KIND = -1
 ROOT_2 = float(np.sqrt(2.0))
 PROJECTIVE_STEPS = 3
 """the affine start is wrong by hundredths of a millimetre, so Gauss-Newton is at rounding after three steps"""
+EACH = np.arange(21)
+OF_X, OF_Y = np.array([0, 1, 2, 3, 7]), np.array([3, 4, 5, 6, 7])
+"""the parameters of the projective transformation that act on X and on Y"""
 MOST_DEGREE = 5
 """normal equations of higher polynomials lose too many digits"""
 
@@ -166,7 +169,7 @@ def _linear(terms, fiducial, places, marks):  # type: ignore[no-untyped-def]
             if terms == 4:
                 row[3, t] = marks[s, 0, t] * marks[s, 1, t]
             right[0, t], right[1, t] = places[s, 0], places[s, 1]
-        _add(row, right, normal, gradient)
+        _add(EACH[:terms], row, right, normal, gradient)
     solve_lanes(normal, gradient)
     p = np.zeros((8, lanes))
     for j in range(terms):
@@ -184,15 +187,14 @@ def _projective(p, fiducial, places, marks):  # type: ignore[no-untyped-def]
         for s in fiducial:
             for axis in range(2):
                 first = 4 * axis
-                row[:] = 0.0
                 for t in range(lanes):
                     x, y = marks[s, 0, t], marks[s, 1, t]
-                    below = p[3, t] * x + p[7, t] * y + 1.0
-                    now = (p[first, t] * x + p[first + 1, t] * y + p[first + 2, t]) / below
-                    row[first, t], row[first + 1, t], row[first + 2, t] = x / below, y / below, 1.0 / below
-                    row[3, t], row[7, t] = -now * x / below, -now * y / below
+                    below = 1.0 / (p[3, t] * x + p[7, t] * y + 1.0)
+                    now = (p[first, t] * x + p[first + 1, t] * y + p[first + 2, t]) * below
+                    row[first, t], row[first + 1, t], row[first + 2, t] = x * below, y * below, below
+                    row[3, t], row[7, t] = -now * x * below, -now * y * below
                     right[0, t] = places[s, axis] - now
-                _add(row, right, normal, gradient)
+                _add(OF_X if axis == 0 else OF_Y, row, right, normal, gradient)
         solve_lanes(normal, gradient)
         p += gradient[:, 0]
     return p
@@ -209,7 +211,7 @@ def _reseau(degree, cross, places, xy, marks):  # type: ignore[no-untyped-def]
         _monomials(degree, marks, s, row)
         for t in range(lanes):
             right[0, t], right[1, t] = places[s, 0] - marks[s, 0, t], places[s, 1] - marks[s, 1, t]
-        _add(row, right, normal, shift)
+        _add(EACH[:terms], row, right, normal, shift)
     solve_lanes(normal, shift)
     for at in range(len(xy)):
         _monomials(degree, xy, at, row)
@@ -233,11 +235,16 @@ def _monomials(degree, xy, at, row):  # type: ignore[no-untyped-def]
 
 
 @numba.njit(cache=True, error_model="numpy")
-def _add(row, right, normal, gradient):  # type: ignore[no-untyped-def]
-    """normal (p, p, T) += row row^T, the lower triangle alone; gradient (p, w, T) += row right^T (w, T)."""
+def _add(columns, row, right, normal, gradient):  # type: ignore[no-untyped-def]
+    """normal (p, p, T) += row row^T, the lower triangle alone; gradient (p, w, T) += row right^T (w, T).
+
+    columns: those of row (p, T) that are not 0, in rising order.
+    """
     lanes = row.shape[1]
-    for i in range(len(row)):
-        for j in range(i + 1):
+    for a in range(len(columns)):
+        i = columns[a]
+        for b in range(a + 1):
+            j = columns[b]
             for t in range(lanes):
                 normal[i, j, t] += row[i, t] * row[j, t]
         for w in range(len(right)):

@@ -175,6 +175,7 @@ def _settings(begin, places, session, can_be_gross, start, c, field, turn, place
     here, there = np.zeros(2 * lanes), np.zeros(2 * lanes)
     shift_here, shift_there = here.reshape(2, lanes), there.reshape(2, lanes)
     u, set_, smooth = np.zeros((2, lanes)), np.zeros((2, lanes)), field.reshape(len(field), 2 * lanes)
+    hit, word = np.empty(lanes, dtype=np.bool_), np.empty((4, lanes // 4), dtype=np.uint64)
     deformed = session.table_ends[-1] > 0 or len(field) > 0
     gross = can_be_gross and session.gross_share > 0
     m00, m01, m11 = session.matrix[0, 0], session.matrix[0, 1], session.matrix[1, 1]
@@ -189,7 +190,7 @@ def _settings(begin, places, session, can_be_gross, start, c, field, turn, place
                 _smooth(places.modes, row, min(row + 1, begin + len(out) - 1), smooth, here, there)
             solve_film(x, y, places.local, row, c, shift_here if at % 2 == 0 else shift_there, u)
         if gross:
-            _gross(first, second, start, session, drawn, pair, u)
+            _gross(first, second, start, session, drawn, pair, word, hit, u)
         if by_pointing > 0.0:
             draw_pairs(first, second, start, p0, p1, drawn, pair)
         if by_setting > 0.0:
@@ -244,10 +245,9 @@ def below_share(first, second, start, k0, k1, share, word, hit):  # type: ignore
 
 
 @numba.njit(cache=True, error_model="numpy")
-def _gross(first, second, start, session, drawn, pair, u):  # type: ignore[no-untyped-def]
-    """Add gross errors to u (2, T)."""
+def _gross(first, second, start, session, drawn, pair, word, hit, u):  # type: ignore[no-untyped-def]
+    """Add gross errors to u (2, T); word (4, T / 4) and hit (T) are scratch."""
     lanes = u.shape[1]
-    hit, word = np.empty(lanes, dtype=np.bool_), np.empty((4, lanes // 4), dtype=np.uint64)
     k = session.gross_key
     if below_share(first, second, start, k[0], k[1], session.gross_share, word, hit):
         k = session.size_key
