@@ -9,7 +9,7 @@ if TYPE_CHECKING:
     from tqdm import tqdm
 
 SELDOM_S = 60.0
-"""between two lines where stderr is no terminal, and before the first"""
+"""between two lines where stderr is no terminal"""
 
 
 class _Lines:
@@ -33,5 +33,5 @@ def progress_bar(total: int, unit: str) -> tqdm[NoReturn]:
     if sys.stderr.isatty():
         return tqdm(total=total, unit=unit, file=sys.stderr, mininterval=0.1, leave=False)
     lines: TextIO = _Lines(sys.stderr)  # type: ignore[assignment]
-    return tqdm(total=total, unit=unit, file=lines, mininterval=SELDOM_S, maxinterval=2 * SELDOM_S, delay=SELDOM_S,
+    return tqdm(total=total, unit=unit, file=lines, mininterval=SELDOM_S, maxinterval=2 * SELDOM_S,
                 leave=False, ascii=True, ncols=78)  # fmt: skip

@@ -101,10 +101,10 @@ def _transformed(xy: Floats, crosses: Floats, places: Floats, level: int) -> Flo
     """The points by the transformation that takes the measured crosses best to their places (least squares)."""
     if level == 1:
         z, wanted = crosses @ [1.0, 1.0j], places @ [1.0, 1.0j]
-        turn, shift = np.linalg.lstsq(np.column_stack([z, np.ones_like(z)]), wanted)[0]
+        turn, shift = np.linalg.lstsq(np.column_stack([z, np.ones_like(z)]), wanted, rcond=None)[0]
         moved = turn * (xy @ [1.0, 1.0j]) + shift
         return np.column_stack([moved.real, moved.imag])
-    return np.asarray(_terms(xy, level) @ np.linalg.lstsq(_terms(crosses, level), places)[0])
+    return np.asarray(_terms(xy, level) @ np.linalg.lstsq(_terms(crosses, level), places, rcond=None)[0])
 
 
 def _terms(xy: Floats, level: int) -> Floats:

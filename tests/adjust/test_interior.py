@@ -169,5 +169,5 @@ def test_shares_are_those_of_the_design_matrix(noisy: CloseRange) -> None:
     assert (found > LEAST_SHARE).all()
     for share, column in zip(found, columns, strict=True):
         others = np.delete(design, column, axis=1)
-        left = design[:, column] - others @ np.linalg.lstsq(others, design[:, column])[0]
+        left = design[:, column] - others @ np.linalg.lstsq(others, design[:, column], rcond=None)[0]
         assert np.linalg.norm(left) == pytest.approx(share, rel=1e-6)
