@@ -21,7 +21,7 @@ extensions = [
     "plain_docstrings",
 ]
 # paragraphs of single branches, on their way into decisions.md
-exclude_patterns = ["_build", "_extensions", "decisions-*.md"]
+exclude_patterns = ["_build", "_extensions"]
 
 myst_enable_extensions = ["dollarmath", "colon_fence", "deflist"]
 myst_heading_anchors = 3
