@@ -92,12 +92,10 @@ def _multiply(table: dict[str, Any], path: str, by: Any) -> None:
     if isinstance(by, bool) or not isinstance(by, int | float):
         raise ScenarioError(f"{path}: found {by!r}, allowed: a number to multiply with")
     for place, old in _found(table, path):
-        if isinstance(old, Mapping):
-            put(table, place, {k: v * by for k, v in old.items()})
-        elif isinstance(old, bool) or not isinstance(old, int | float):
+        numbers = list(old.values()) if isinstance(old, Mapping) else [old]
+        if any(isinstance(number, bool) or not isinstance(number, int | float) for number in numbers):
             raise ScenarioError(f"{place}: there is no number to multiply")
-        else:
-            put(table, place, old * by)
+        put(table, place, {k: v * by for k, v in old.items()} if isinstance(old, Mapping) else old * by)
 
 
 def _found(table: Any, path: str) -> list[tuple[str, Any]]:

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from studies.summary import Summary
 
 MOST_TEXT = 8 << 20
-COMMANDS = ("simfield reproduce ", "simfield budget ")
+COMMANDS = ("simfield reproduce ", "simfield budget ", "simfield detection ")
 """what the provenance of a folder that is no study begins with"""
 
 
@@ -124,7 +124,9 @@ def _of_pages(folder: Path) -> str:
     origin = read_json(folder / "provenance.json")
     command = origin.get("command")
     if not isinstance(command, str) or not command.startswith(COMMANDS):
-        raise NothingToReportError(f"{folder / 'provenance.json'}: names no `simfield reproduce` or `simfield budget`")
+        raise NothingToReportError(
+            f"{folder / 'provenance.json'}: names no `simfield reproduce`, `budget` or `detection`"
+        )
     text = _text(folder / "report.md", MOST_TEXT)
     if not text.startswith("# "):
         raise StoreError(f"{folder / 'report.md'}: damaged: it does not begin with a title")
