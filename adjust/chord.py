@@ -21,7 +21,7 @@ from adjust.ap_models.model import ApModel
 from adjust.bundle import adjust_block
 from adjust.compiled_normals import Compiled
 from adjust.kernels import LANES, TILES
-from adjust.lanes import WIDTH
+from simfield.lanes import WIDTH
 from adjust.observations import Observations
 from adjust.precision import Cofactors
 from adjust.solve import solve

@@ -1,7 +1,7 @@
 """The gradient of a block of trials, as plain Python that a compiler takes in (adjust.traced_terms does that).
 
 Trials come in tiles of WIDTH, the innermost, contiguous axis of every array; what a tile needs stays in the
-second-level cache. The kernels are written in lanes (adjust.lanes): every name is the number of all trials of a tile.
+second-level cache. The kernels are written in lanes (simfield.lanes): every name is the number of all trials of a tile.
 No sine, cosine or logarithm is taken in the inner loop; rotations come in as matrices.
 """
 
@@ -13,8 +13,8 @@ from typing import Any
 import numba
 import numpy as np
 
-import adjust.lanes_compiled  # noqa: F401  lanes for numba
-from adjust.lanes import (
+import simfield.lanes_compiled  # noqa: F401  lanes for numba
+from simfield.lanes import (
     WIDTH,
     WIDTH_SINGLE,
     align_stack,

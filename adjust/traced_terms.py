@@ -22,8 +22,9 @@ from typing import Any
 
 import numpy as np
 
-from adjust import kernels, lanes_compiled
+from adjust import kernels
 from adjust.ap_models.model import ApModel
+from simfield import lanes_compiled
 
 UFUNCS = {
     np.add: "{0} + {1}",
@@ -202,8 +203,8 @@ def _source(trace: Trace) -> str:
             "from typing import Any",
             "import numba",
             "import numpy as np",
-            "import adjust.lanes_compiled",
-            "from adjust.lanes import *",
+            "import simfield.lanes_compiled",
+            "from simfield.lanes import *",
             *itertools.chain.from_iterable(functions),
             '@numba.njit(error_model="numpy")',
             _source_of(kernels.gradient_tile),

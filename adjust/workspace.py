@@ -12,7 +12,7 @@ import numpy.typing as npt
 from adjust import kernels
 from adjust.adjustment import Adjustment
 from adjust.kernels import LANES, TILES
-from adjust.lanes import WIDTH, WIDTH_SINGLE, Arena
+from simfield.lanes import WIDTH, WIDTH_SINGLE, Arena
 from simfield.block import Floats
 
 

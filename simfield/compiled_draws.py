@@ -9,7 +9,9 @@ from __future__ import annotations
 import numba
 import numpy as np
 
+import simfield.lanes_compiled  # noqa: F401  lanes for numba
 from simfield.counter_normals import COSINE_TERMS, LN2, LOG_TERMS, MULTIPLIERS, SINE_TERMS, TWO_PI, WEYL
+from simfield.lanes import load
 
 M0, M1 = np.uint64(MULTIPLIERS[0]), np.uint64(MULTIPLIERS[1])
 W0, W1 = np.uint64(WEYL[0]), np.uint64(WEYL[1])
@@ -18,6 +20,7 @@ MANTISSA, ONE = 0xFFFFFFFFFFFFF, 1023 << 52
 TURN = TWO_PI / 2.0**32
 PERIOD = 16
 """trials that 8 counters serve"""
+ZERO = np.uint64(0)
 
 
 @numba.njit(cache=True, error_model="numpy", inline="always")
@@ -57,6 +60,26 @@ def _box_muller(w0, w1):  # type: ignore[no-untyped-def]
     sine = -sine if (quarter & 2) == 2 else sine
     cosine = -cosine if ((quarter + 1) & 2) == 2 else cosine
     return radius * cosine, radius * sine
+
+
+@numba.njit(cache=True, error_model="numpy")
+def draw(first, second, start, k0, k1, drawn):  # type: ignore[no-untyped-def]
+    """Standard normal pairs of the trials from `start` on, a multiple of PERIOD, into drawn (2, 2, tiles / 2, 8).
+
+    The axes are: which of two tiles, which number of a pair, which two tiles, trials; see `drawn_of`.
+    """
+    counters = 8 * drawn.shape[2]
+    flat, low = drawn.reshape(4, counters), np.uint64(start) >> np.uint64(1)
+    for c in range(counters):
+        w0, w1, w2, w3 = _philox(first, second, low + np.uint64(c), ZERO, k0, k1)
+        flat[0, c], flat[1, c] = _box_muller(w0, w1)
+        flat[2, c], flat[3, c] = _box_muller(w2, w3)
+
+
+@numba.njit(cache=True, error_model="numpy", inline="always")
+def drawn_of(drawn, tile, axis):  # type: ignore[no-untyped-def]
+    """The lanes of a tile: first (axis 0) or second (axis 1) numbers of the pairs that `draw` has drawn."""
+    return load(drawn, tile & 1, axis, tile >> 1)
 
 
 @numba.njit(cache=True, error_model="numpy")

@@ -1,4 +1,4 @@
-"""One compiled loop over the images: the chain of the simulator, then the reductions of the engine, for a block of
+"""One compiled loop over the images: the chain of the simulator, then the reductions of the engine, for some tiles of
 trials. Simulator and engine are written apart and meet here alone.
 """
 
@@ -9,10 +9,22 @@ from typing import Any, NamedTuple
 import numba
 import numpy as np
 
-from adjust.reductions.compiled import reduce_image, without_lens_and_air
+import simfield.lanes_compiled  # noqa: F401  lanes for numba
+from adjust.reductions.compiled import oriented, reduced
+from adjust.reductions.compiled_optics import without_lens_and_air
 from simfield.block import Floats, Indices
-from simfield.chain.compiled import below_share, measure_image
+from simfield.chain.compiled import (
+    below_share,
+    gross_errors,
+    is_deformed,
+    on_machine,
+    set_marks,
+    smooth_field,
+    take_image,
+)
+from simfield.compiled_draws import draw
 from simfield.expansion import REACH_MM
+from simfield.lanes import WIDTH, align_stack, any_above, load, store
 
 
 class Tail(NamedTuple):
@@ -40,71 +52,84 @@ class Confusion(NamedTuple):
     share: Any
 
 
-@numba.njit(cache=True, error_model="numpy")
-def measure_and_reduce(lanes, start, points, marks, session, frame, tail, optics, confusion, column):  # type: ignore[no-untyped-def]
-    """Image coordinates of the trials from `start` on into lanes (tiles, k, 2, 8).
+@numba.njit(cache=True, error_model="numpy", _nrt=False)
+def measure_and_reduce(  # type: ignore[no-untyped-def]
+    lanes, start, points, marks, session, frame, tail, optics, confusion, column, room, work, mark_xy
+):
+    """Image coordinates of the trials from `start` on into lanes (tiles, k, 2, WIDTH), an even number of tiles.
 
-    column (n): where each of the sorted points goes. What lies beyond the certificate of its lens becomes NaN.
+    column (n): where each of the sorted points goes; room, work, mark_xy (tiles, s, 2, WIDTH): to work in. What lies
+    beyond the certificate of its lens becomes NaN.
     """
-    count = 8 * lanes.shape[0]
-    drawn, pair = np.empty((4, count // 2)), np.empty((2, count))
+    align_stack()
+    deformed, gross = is_deformed(session, room), session.gross_share > 0
     for i in range(len(points.ends) - 1):
         begin, end = points.ends[i], points.ends[i + 1]
         if begin == end:
             continue
-        first, last = marks.ends[i], marks.ends[i + 1]
-        xy, mark_xy = np.empty((end - begin, 2, count)), np.empty((last - first, 2, count))
-        measure_image(i, start, points, marks, session, drawn, pair, xy, mark_xy)
-        reduce_image(i, frame, points.time[begin:end], marks.time[first:last], xy, mark_xy)
-        for at in range(end - begin):
-            _put_down(begin + at, at, i, tail, optics, xy, column[begin + at], lanes)
+        take_image(i, start, session, room)
+        set_marks(i, start, marks, session, room, mark_xy)
+        oriented(i, frame, marks.time[marks.ends[i] : marks.ends[i + 1]], mark_xy, work)
+        for at in range(begin, end, 2):
+            smooth_field(points.modes, at, min(at + 1, end - 1), room)
+            for n in range(at, min(at + 2, end)):
+                first, second = points.first[n], points.second[n]
+                some = gross and gross_errors(first, second, start, session, room)
+                draw(first, second, start, points.key[0], points.key[1], room.drawn)
+                for tile in range(lanes.shape[0]):
+                    x, y = on_machine(points, n, n - at, tile, session, deformed, room)
+                    x, y = reduced(frame, points.time[n], x, y, tile, work)
+                    if tail.wanted:
+                        _put_down(n, i, tail, optics, x, y, tile, column[n], lanes, room.exact)
+                    else:
+                        store(lanes, x, tile, column[n], 0)
+                        store(lanes, y, tile, column[n], 1)
+                if some:
+                    room.gross[:] = 0.0
         if confusion.share > 0:
-            _exchange(i, start, confusion, points, column, lanes)
+            _exchange(i, start, confusion, points, column, room, lanes)
 
 
-@numba.njit(cache=True, error_model="numpy")
-def _put_down(n, at, i, tail, optics, xy, row, lanes):  # type: ignore[no-untyped-def]
-    """Point n of all, xy[at] (2, T) of image i, into lanes[:, row] without what lens and air have done."""
-    local = tail.local
-    if not tail.wanted:
-        for tile in range(lanes.shape[0]):
-            for t in range(8):
-                lanes[tile, row, 0, t], lanes[tile, row, 1, t] = xy[at, 0, 8 * tile + t], xy[at, 1, 8 * tile + t]
-        return
-    a0, a1, a2, a3, a4 = local[n, 0, 0], local[n, 0, 1], local[n, 0, 2], local[n, 0, 3], local[n, 0, 4]
-    b0, b1, b2, b3, b4 = local[n, 1, 0], local[n, 1, 1], local[n, 1, 2], local[n, 1, 3], local[n, 1, 4]
-    x, y, dx, dy = tail.place[n, 0], tail.place[n, 1], tail.removed[n, 0], tail.removed[n, 1]
-    reach = REACH_MM * REACH_MM if tail.smooth[n] else -1.0
-    most = 0.0
-    for tile in range(lanes.shape[0]):
-        for t in range(8):
-            p, q = xy[at, 0, 8 * tile + t], xy[at, 1, 8 * tile + t]
-            u, v = p - x, q - y
-            uu, uv, vv = u * u, u * v, v * v
-            most = max(most, uu + vv)
-            lanes[tile, row, 0, t] = p - (dx + (a0 * u + a1 * v + a2 * uu + a3 * uv + a4 * vv))
-            lanes[tile, row, 1, t] = q - (dy + (b0 * u + b1 * v + b2 * uu + b3 * uv + b4 * vv))
-    if most <= reach:
-        return
-    for tile in range(lanes.shape[0]):
-        for t in range(8):
-            p, q = xy[at, 0, 8 * tile + t], xy[at, 1, 8 * tile + t]
-            if (p - x) ** 2 + (q - y) ** 2 > reach:
-                lanes[tile, row, 0, t], lanes[tile, row, 1, t] = without_lens_and_air(i, optics, p, q)
+@numba.njit(cache=True, error_model="numpy", _nrt=False, inline="always")
+def _put_down(n, i, tail, optics, x, y, tile, row, lanes, work_xy):  # type: ignore[no-untyped-def]
+    """Point n of all, lanes (x, y) in image i, into lanes[tile, row] without what lens and air have done."""
+    local, at_x, at_y = tail.local, tail.place[n, 0], tail.place[n, 1]
+    u, v = x - at_x, y - at_y
+    uu, uv, vv = u * u, u * v, v * v
+    by_x = tail.removed[n, 0] + (local[n, 0, 0] * u + local[n, 0, 1] * v)
+    by_y = tail.removed[n, 1] + (local[n, 1, 0] * u + local[n, 1, 1] * v)
+    by_x = by_x + (local[n, 0, 2] * uu + local[n, 0, 3] * uv + local[n, 0, 4] * vv)
+    by_y = by_y + (local[n, 1, 2] * uu + local[n, 1, 3] * uv + local[n, 1, 4] * vv)
+    store(lanes, x - by_x, tile, row, 0)
+    store(lanes, y - by_y, tile, row, 1)
+    if any_above(uu + vv, REACH_MM * REACH_MM if tail.smooth[n] else -1.0):
+        _put_down_exactly(i, optics, x, y, at_x, at_y, tail.smooth[n], tile, row, lanes, work_xy)
 
 
-@numba.njit(cache=True, error_model="numpy")
-def _exchange(i, start, confusion, points, column, lanes):  # type: ignore[no-untyped-def]
+@numba.njit(cache=True, error_model="numpy", _nrt=False)
+def _put_down_exactly(i, optics, x, y, at_x, at_y, smooth, tile, row, lanes, xy):  # type: ignore[no-untyped-def]
+    """Those trials of lanes (x, y) that lie beyond the reach of an expansion around (at_x, at_y), or all."""
+    store(xy, x, 0)
+    store(xy, y, 1)
+    reach = REACH_MM * REACH_MM if smooth else -1.0
+    for t in range(WIDTH):
+        p, q = xy[0, t], xy[1, t]
+        if not (p - at_x) ** 2 + (q - at_y) ** 2 <= reach:
+            lanes[tile, row, 0, t], lanes[tile, row, 1, t] = without_lens_and_air(i, optics, p, q)
+
+
+@numba.njit(cache=True, error_model="numpy", _nrt=False)
+def _exchange(i, start, confusion, points, column, room, lanes):  # type: ignore[no-untyped-def]
     """Exchange the coordinates of the pairs of image i that were taken for each other."""
-    count = 8 * lanes.shape[0]
-    hit, word = np.empty(count, dtype=np.bool_), np.empty((4, count // 4), dtype=np.uint64)
     k = confusion.key
     for p in range(confusion.ends[i], confusion.ends[i + 1]):
         one, other = confusion.first[p], confusion.second[p]
-        if below_share(confusion.word[p], points.second[one], start, k[0], k[1], confusion.share, word, hit):
+        share, word = confusion.share, confusion.word[p]
+        if below_share(word, points.second[one], start, k[0], k[1], share, room.word, room.hit):
             here, there = column[one], column[other]
-            for t in range(count):
-                if hit[t]:
-                    for axis in range(2):
-                        a, b = lanes[t // 8, here, axis, t % 8], lanes[t // 8, there, axis, t % 8]
-                        lanes[t // 8, here, axis, t % 8], lanes[t // 8, there, axis, t % 8] = b, a
+            for tile in range(lanes.shape[0]):
+                for t in range(WIDTH):
+                    if room.hit[tile, t] > 0.0:
+                        for axis in range(2):
+                            a, b = lanes[tile, here, axis, t], lanes[tile, there, axis, t]
+                            lanes[tile, here, axis, t], lanes[tile, there, axis, t] = b, a

@@ -17,8 +17,8 @@ from simfield.block import Floats, Indices
 from simfield.chain import Prepared
 from simfield.chain.measure import share_of_words
 from simfield.chain.raw import Raw
-from simfield.draws import WIDTH
 from simfield.expansion import second_order
+from simfield.lanes import WIDTH, Arena
 from simfield.streams import counter_key
 from studies.reduction import Plan, marks_of, through_lens_and_air
 
@@ -83,13 +83,18 @@ class MeasuredTrials:
         return self.prepared.count if self.rows is None else len(self.rows)
 
     def _fill(self, lanes: Floats, number: int) -> None:
+        from adjust.reductions.compiled import Work
+        from simfield.chain.compiled import Room
         from studies.compiled_chain import measure_and_reduce
 
         parts, kept, places = self._tables
         wide = lanes if kept is None else np.empty((len(lanes), self.prepared.count, 2, WIDTH))
-        for tile in range(0, len(wide), TOGETHER // WIDTH):
-            own = wide[tile : tile + TOGETHER // WIDTH]
-            measure_and_reduce(own, number + WIDTH * tile, *parts, places)  # type: ignore[call-arg]
+        arena, tiles, marks = Arena(), TOGETHER // WIDTH, parts[1]
+        room, work = Room.of(tiles, marks.modes.shape[1], arena), Work.of(tiles, arena)
+        mark_xy = arena.zeros(tiles, len(marks.place) // len(self.prepared.world.plan), 2, WIDTH)
+        for tile in range(0, len(wide), tiles):
+            own = wide[tile : tile + tiles]
+            measure_and_reduce(own, number + WIDTH * tile, *parts, places, room, work, mark_xy)  # type: ignore[call-arg]
         if kept is not None:
             lanes[:] = wide[:, kept]
         if np.isnan(lanes).any():
@@ -115,7 +120,7 @@ class MeasuredTrials:
     @cached_property
     def _tables(self) -> tuple[tuple[Any, ...], Indices | None, Indices]:
         """What the compiled loop wants to know, which of its rows are picked afterwards, and where it puts them."""
-        from simfield.chain.compiled import tables
+        from simfield.chain.tables import tables
 
         image = self.prepared.world.image
         rows = np.arange(self.prepared.count) if self._whole or self.rows is None else self.rows
@@ -125,25 +130,21 @@ class MeasuredTrials:
         return parts, self.rows if self._whole else None, places
 
     def _frame(self) -> Any:
-        from adjust.reductions import compiled
+        from adjust.reductions.compiled import Frame, drift_weights
 
         raw, plan, images = self._raw, self.plan, len(self.prepared.world.plan)
         settings = len(raw.mark) // images
         if plan is None:
-            return compiled.nothing_reduced(images, settings)
-        if plan.reseau_degree is not None and plan.reseau_degree > compiled.MOST_DEGREE:
-            raise ValueError(f"for many trials the degree of the reseau correction is at most {compiled.MOST_DEGREE}")
+            return Frame.nothing_reduced(images, settings)
         kinds = np.array(raw.mark_kinds)[raw.mark[:settings]]
-        weights = compiled.drift_weights(raw.mark_image, raw.mark, raw.mark_time, images)
+        weights = drift_weights(raw.mark_image, raw.mark, raw.mark_time, images)
         scale_x, scale_y, shear = (1e-6 * v if plan.comparator else 0.0 for v in raw.machine)
-        return compiled.Frame(
+        return Frame.of(
+            plan.inner,
             weights if plan.drift else np.zeros_like(weights),
-            scale_x,
-            scale_y,
-            shear,
-            compiled.frame_kind(plan.inner),
-            np.flatnonzero(kinds == "fiducial"),
+            (scale_x, scale_y, shear),
             marks_of(raw).reshape(images, settings, 2),
+            np.flatnonzero(kinds == "fiducial"),
             plan.reseau_degree or 0,
             np.flatnonzero(kinds == "reseau"),
         )
@@ -168,7 +169,7 @@ class MeasuredTrials:
 
     def _optics(self) -> Any:
         from adjust.reductions.air import MEAN_RADIUS_M, bending
-        from adjust.reductions.compiled import optics
+        from adjust.reductions.compiled_optics import optics
 
         raw, plan = self._raw, self.plan
         cameras, camera = raw.block.cameras, raw.block.images.camera

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import zlib
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -82,8 +82,8 @@ class Prepared:
         """What the comparator writes down in a trial."""
         world, chain, k = self.world, self.chain, self.count
         xy = self.on_film(trial)
-        xy[:k] += world.image_noise.of(trial)
-        xy[k:] += chain.errors.pointing_um / 1000.0 * self._pairs("mark pointing", trial)[k:]
+        xy[:k] += replace(world.image_noise, sigma=self.noise_sigma[:k]).of(trial)
+        xy[k:] += self.noise_sigma[k:, None] * self._pairs("mark pointing", trial)[k:]
         xy[:k] += self._gross(trial)
         settings = self._on_machine(xy, trial)
         kept = stream(world.seed, "missed", trial).random(k) >= chain.errors.missed_rate
@@ -99,13 +99,26 @@ class Prepared:
         placed = np.column_stack([cosine * xy[:, 0] - sine * xy[:, 1], sine * xy[:, 0] + cosine * xy[:, 1]])
         placed = (placed + shift[self.image]) @ machine.matrix().T
         placed += self.time[:, None] * (np.array(machine.drift_um) / 1000.0)
-        # mean and half difference of two settings are independent, as the settings are
-        sigma = machine.setting_um / 1000.0 / np.sqrt(machine.settings)
-        placed += sigma * self._pairs("setting", trial)
         if machine.settings == 1:
             return placed[:, None, :]
-        half = sigma * self._pairs("setting difference", trial)
+        # half the difference of two settings is independent of their mean, as the settings are
+        half = self._setting_sigma * self._pairs("setting difference", trial)
         return np.stack([placed - half, placed + half], axis=1)
+
+    @property
+    def _setting_sigma(self) -> float:
+        """mm, of the mean of the settings of a point."""
+        machine = self.chain.comparator
+        return float(machine.setting_um / 1000.0 / np.sqrt(machine.settings))
+
+    @cached_property
+    def noise_sigma(self) -> Floats:
+        """(n) mm: of pointing and setting in the mean of a place's settings.
+
+        Both are normal and only their sum is seen, so one number stands for both.
+        """
+        marks = np.full(len(self.image) - self.count, self.chain.errors.pointing_um / 1000.0)
+        return np.hypot(np.concatenate([self.world.image_noise.sigma, marks]), self._setting_sigma)
 
     @property
     def image_words(self) -> Words:

@@ -1,4 +1,4 @@
-"""Lanes (adjust.lanes) as vectors, for numba.
+"""Lanes (simfield.lanes) as vectors, for numba.
 
 Sums of products may be fused, quotients by one divisor may share its reciprocal; nothing else is reordered, so results
 do not depend on how many trials there are. Written with numba's low-level extension interface, in terms of LLVM.
@@ -16,8 +16,8 @@ from numba.core import cgutils, types
 from numba.core.typing.templates import ConcreteTemplate, infer_global, signature
 from numba.extending import intrinsic, lower_builtin, models, overload, register_model
 
-from adjust import lanes as plain
-from adjust.lanes import CACHE_LINE, WIDTH, WIDTH_SINGLE
+from simfield import lanes as plain
+from simfield.lanes import CACHE_LINE, WIDTH, WIDTH_SINGLE
 
 FLAGS = ("contract", "nsz", "arcp")
 """what LLVM may do with the arithmetic of lanes"""
@@ -252,7 +252,18 @@ def _widen(_typing: Any, value: Any) -> Any:
     return types.UniTuple(DOUBLE, 2)(value), lower
 
 
+@intrinsic
+def _any_above(_typing: Any, value: Any, limit: Any) -> Any:
+    def lower(_context: Any, builder: Any, _sig: Any, arguments: Any) -> Any:
+        above = builder.fcmp_unordered(">", arguments[0], _splat(builder, DOUBLE, arguments[1]))
+        bits = ir.IntType(WIDTH)
+        return builder.icmp_unsigned("!=", builder.bitcast(above, bits), ir.Constant(bits, 0))
+
+    return types.boolean(value, limit), lower
+
+
 overload(plain.align_stack, inline="always")(lambda: lambda: _align_stack())
+overload(plain.any_above)(lambda a, b: lambda a, b: _any_above(a, b))
 overload(plain.same)(lambda number: lambda number: _same(number))
 overload(plain.narrow)(lambda first, second: lambda first, second: _narrow(first, second))
 overload(plain.widen)(lambda value: lambda value: _widen(value))

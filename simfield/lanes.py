@@ -2,7 +2,7 @@
 
 Lanes are eight double or sixteen single precision numbers, one vector register wide. `load` takes them from the last
 axis of an array, arithmetic acts on all of them, `store` puts them back. In plain Python they are rows of numpy arrays,
-so that a kernel can be read and tested without the compiler; for numba `adjust.lanes_compiled` makes them vectors, so
+so that a kernel can be read and tested without the compiler; for numba `simfield.lanes_compiled` makes them vectors, so
 that loops become vector instructions without the compiler having to prove anything, and sums stay in registers.
 """
 
@@ -112,6 +112,11 @@ def greater(a: Any, b: Any) -> Any:
 def less(a: Any, b: Any) -> Any:
     """1 where a < b, 0 elsewhere."""
     return np.where(a < b, 1.0, 0.0)
+
+
+def any_above(a: Any, b: float) -> bool:
+    """Whether any number is greater than b, or is not a number."""
+    return bool(np.any(~(a <= b)))
 
 
 def sine(a: Any) -> Any:

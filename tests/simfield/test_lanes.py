@@ -8,9 +8,10 @@ import numba
 import numpy as np
 import pytest
 
-import adjust.lanes_compiled  # noqa: F401  lanes for numba
-from adjust import ap_models, kernels, lanes
-from adjust.lanes import WIDTH, Arena, load, store
+import simfield.lanes_compiled  # noqa: F401  lanes for numba
+from adjust import ap_models, kernels
+from simfield import lanes
+from simfield.lanes import WIDTH, Arena, load, store
 from adjust.rotation import rotation_matrices
 from adjust.traced_terms import compile_gradient
 
