@@ -62,18 +62,17 @@ def _box_muller(w0, w1):  # type: ignore[no-untyped-def]
     return radius * cosine, radius * sine
 
 
-@numba.njit(cache=True, error_model="numpy")
+@numba.njit(cache=True, error_model="numpy", _nrt=False)
 def draw(first, second, start, k0, k1, drawn):  # type: ignore[no-untyped-def]
     """Standard normal pairs of the trials from `start` on, a multiple of PERIOD, into drawn (2, 2, tiles / 2, 8).
 
     The axes are: which of two tiles, which number of a pair, which two tiles, trials; see `drawn_of`.
     """
-    counters = 8 * drawn.shape[2]
-    flat, low = drawn.reshape(4, counters), np.uint64(start) >> np.uint64(1)
-    for c in range(counters):
+    flat, n, low = drawn.reshape(drawn.size), drawn.size // 4, np.uint64(start) >> np.uint64(1)
+    for c in range(n):
         w0, w1, w2, w3 = _philox(first, second, low + np.uint64(c), ZERO, k0, k1)
-        flat[0, c], flat[1, c] = _box_muller(w0, w1)
-        flat[2, c], flat[3, c] = _box_muller(w2, w3)
+        flat[c], flat[n + c] = _box_muller(w0, w1)
+        flat[2 * n + c], flat[3 * n + c] = _box_muller(w2, w3)
 
 
 @numba.njit(cache=True, error_model="numpy", inline="always")

@@ -15,22 +15,19 @@ from simfield.lanes import align_stack, load, root, same, store
 MOST_DEGREE = 5
 """of a reseau correction; normal equations of higher polynomials lose too many digits"""
 MOST_TERMS = (MOST_DEGREE + 1) * (MOST_DEGREE + 2) // 2
-MOST_MOMENTS = (2 * MOST_DEGREE + 1) * (2 * MOST_DEGREE + 2) // 2
-DEGREE = np.array([d for d in range(MOST_DEGREE + 1) for _ in range(d + 1)])
-"""of the monomials x^(d - j) y^j, which stand in this order: 1, x, y, x^2, xy, y^2 ..."""
+MOST_POWERS = 2 * MOST_DEGREE + 1
+"""powers of a coordinate, with that to 0, in sums of products of two monomials"""
 
 
 @numba.njit(cache=True, error_model="numpy", _nrt=False)
-def add_row(columns, row, right, normal, gradient):  # type: ignore[no-untyped-def]
+def add_row(terms, row, right, normal, gradient):  # type: ignore[no-untyped-def]
     """normal (p, p, WIDTH) += row row^T, the lower triangle alone; gradient (p, w, WIDTH) += row right^T (w, WIDTH).
 
-    columns: those of row (p, WIDTH) that are not 0, in rising order.
+    terms: how many numbers of row (p, WIDTH) there are.
     """
-    for a in range(len(columns)):
-        i = columns[a]
+    for i in range(terms):
         own = load(row, i)
-        for b in range(a + 1):
-            j = columns[b]
+        for j in range(i + 1):
             store(normal, load(normal, i, j) + own * load(row, j), i, j)
         for w in range(right.shape[0]):
             store(gradient, load(gradient, i, w) + own * load(right, w), i, w)
@@ -67,51 +64,57 @@ def solve_normal(p, normal, right):  # type: ignore[no-untyped-def]
 
 
 @numba.njit(cache=True, error_model="numpy", _nrt=False)
-def monomials(degree, x, y, row):  # type: ignore[no-untyped-def]
-    """row (terms, WIDTH): 1, x, y, x^2, xy, y^2 ... of lanes x and y in mm, in units of UNIT_MM."""
-    x, y = x * (1.0 / UNIT_MM), y * (1.0 / UNIT_MM)
-    store(row, same(1.0), 0)
-    for d in range(1, degree + 1):
-        begin, before = d * (d + 1) // 2, (d - 1) * d // 2
-        for j in range(d):
-            store(row, load(row, before + j) * x, begin + j)
-        store(row, load(row, before + d - 1) * y, begin + d)
-
-
-@numba.njit(cache=True, error_model="numpy", _nrt=False)
 def fit_reseau(degree, cross, places, marks, work, shift):  # type: ignore[no-untyped-def]
     """shift (MOST_TERMS, 2, WIDTH): coefficients of the correction that brings the crosses to their places.
 
-    cross (r): which of marks (s, 2, WIDTH) mm are crosses; places (s, 2) mm; work: a `Work`. The normal equations are
-    moments, sums of monomials of twice the degree, of which many products share one.
+    The terms x^b y^a stand in the order of a, then b, with a + b up to `degree`. cross (r): which of marks
+    (s, 2, WIDTH) mm are crosses; places (s, 2) mm; work: a `Work`. The normal equations are moments, sums of
+    x^b y^a, of which many products of two terms share one.
     """
     align_stack()
-    terms, twice = (degree + 1) * (degree + 2) // 2, (2 * degree + 1) * (2 * degree + 2) // 2
-    row, moment = work.row, work.moment
+    power, moment, one = work.row, work.moment, same(1.0)
     moment[:], shift[:] = 0.0, 0.0
+    store(power, one, 0)
     for s in cross:
         x, y = load(marks, s, 0), load(marks, s, 1)
-        monomials(2 * degree, x, y, row)
-        for m in range(twice):
-            store(moment, load(moment, m) + load(row, m), m)
         dx, dy = places[s, 0] - x, places[s, 1] - y
-        for m in range(terms):
-            own = load(row, m)
-            store(shift, load(shift, m, 0) + own * dx, m, 0)
-            store(shift, load(shift, m, 1) + own * dy, m, 1)
-    for i in range(terms):
-        for j in range(i + 1):
-            d = DEGREE[i] + DEGREE[j]
-            of_y = i - DEGREE[i] * (DEGREE[i] + 1) // 2 + j - DEGREE[j] * (DEGREE[j] + 1) // 2
-            store(work.normal, load(moment, d * (d + 1) // 2 + of_y), i, j)
-    solve_normal(terms, work.normal, shift)
+        x, y = x * (1.0 / UNIT_MM), y * (1.0 / UNIT_MM)
+        raised = one
+        for b in range(1, 2 * degree + 1):
+            raised = raised * x
+            store(power, raised, b)
+        raised, term = one, 0
+        for a in range(2 * degree + 1):
+            for b in range(2 * degree + 1 - a):
+                store(moment, load(moment, a, b) + raised * load(power, b), a, b)
+            for b in range(degree + 1 - a):
+                own = raised * load(power, b)
+                store(shift, load(shift, term, 0) + own * dx, term, 0)
+                store(shift, load(shift, term, 1) + own * dy, term, 1)
+                term += 1
+            raised = raised * y
+    i = 0
+    for a in range(degree + 1):
+        for b in range(degree + 1 - a):
+            j = 0
+            for c in range(a + 1):
+                for d in range(degree + 1 - c):
+                    if j <= i:
+                        store(work.normal, load(moment, a + c, b + d), i, j)
+                    j += 1
+            i += 1
+    solve_normal(i, work.normal, shift)
 
 
-@numba.njit(cache=True, error_model="numpy", _nrt=False)
-def without_shift(degree, shift, tile, x, y, row):  # type: ignore[no-untyped-def]
-    """Lanes (x, y) mm with the correction that `fit_reseau` has found."""
-    monomials(degree, x, y, row)
-    for m in range((degree + 1) * (degree + 2) // 2):
-        own = load(row, m)
-        x, y = x + own * load(shift, tile, m, 0), y + own * load(shift, tile, m, 1)
-    return x, y
+@numba.njit(cache=True, error_model="numpy", _nrt=False, inline="always")
+def without_shift(degree, shift, tile, x, y):  # type: ignore[no-untyped-def]
+    """Lanes (x, y) mm with the correction that `fit_reseau` has found, by Horner's scheme."""
+    u, v = x * (1.0 / UNIT_MM), y * (1.0 / UNIT_MM)
+    dx, dy, term = same(0.0), same(0.0), (degree + 1) * (degree + 2) // 2
+    for terms in range(1, degree + 2):
+        along_x, along_y = same(0.0), same(0.0)
+        for _ in range(terms):
+            term -= 1
+            along_x, along_y = along_x * u + load(shift, tile, term, 0), along_y * u + load(shift, tile, term, 1)
+        dx, dy = dx * v + along_x, dy * v + along_y
+    return x + dx, y + dy
