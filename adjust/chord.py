@@ -21,7 +21,6 @@ from adjust.ap_models.model import ApModel
 from adjust.bundle import adjust_block
 from adjust.compiled_normals import Compiled
 from adjust.kernels import LANES, TILES
-from simfield.lanes import WIDTH
 from adjust.observations import Observations
 from adjust.precision import Cofactors
 from adjust.solve import solve
@@ -30,6 +29,7 @@ from adjust.traced_terms import UntraceableError, compile_gradient
 from adjust.trials import CHORD, GAUSS_NEWTON, STATUSES, Trials
 from adjust.workspace import Workspace
 from simfield.block import Block, Floats, ImageObservations, Points
+from simfield.lanes import WIDTH
 
 ERROR_LEFT = 1e-8
 """bound of the error left in any unknown, in its standard deviations"""

@@ -12,8 +12,8 @@ import numpy.typing as npt
 from adjust import kernels
 from adjust.adjustment import Adjustment
 from adjust.kernels import LANES, TILES
-from simfield.lanes import WIDTH, WIDTH_SINGLE, Arena
 from simfield.block import Floats
+from simfield.lanes import WIDTH, WIDTH_SINGLE, Arena
 
 
 @dataclass(frozen=True, eq=False)

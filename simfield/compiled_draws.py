@@ -9,9 +9,9 @@ from __future__ import annotations
 import numba
 import numpy as np
 
-import simfield.lanes_compiled  # noqa: F401  lanes for numba
 from simfield.counter_normals import COSINE_TERMS, LN2, LOG_TERMS, MULTIPLIERS, SINE_TERMS, TWO_PI, WEYL
-from simfield.lanes import load
+from simfield.lanes import WIDTH, load
+from simfield.lanes_compiled import inlined, kernel
 
 M0, M1 = np.uint64(MULTIPLIERS[0]), np.uint64(MULTIPLIERS[1])
 W0, W1 = np.uint64(WEYL[0]), np.uint64(WEYL[1])
@@ -62,23 +62,23 @@ def _box_muller(w0, w1):  # type: ignore[no-untyped-def]
     return radius * cosine, radius * sine
 
 
-@numba.njit(cache=True, error_model="numpy", _nrt=False)
+@kernel
 def draw(first, second, start, k0, k1, drawn):  # type: ignore[no-untyped-def]
-    """Standard normal pairs of the trials from `start` on, a multiple of PERIOD, into drawn (2, 2, tiles / 2, 8).
+    """Standard normal pairs of the trials from `start` on, a multiple of PERIOD, into drawn (2 trials); see `drawn_of`.
 
-    The axes are: which of two tiles, which number of a pair, which two tiles, trials; see `drawn_of`.
+    drawn is flat, for loops over several axes are not made vectors.
     """
-    flat, n, low = drawn.reshape(drawn.size), drawn.size // 4, np.uint64(start) >> np.uint64(1)
+    n, low = drawn.size // 4, np.uint64(start) >> np.uint64(1)
     for c in range(n):
         w0, w1, w2, w3 = _philox(first, second, low + np.uint64(c), ZERO, k0, k1)
-        flat[c], flat[n + c] = _box_muller(w0, w1)
-        flat[2 * n + c], flat[3 * n + c] = _box_muller(w2, w3)
+        drawn[c], drawn[n + c] = _box_muller(w0, w1)
+        drawn[2 * n + c], drawn[3 * n + c] = _box_muller(w2, w3)
 
 
-@numba.njit(cache=True, error_model="numpy", inline="always")
+@inlined
 def drawn_of(drawn, tile, axis):  # type: ignore[no-untyped-def]
     """The lanes of a tile: first (axis 0) or second (axis 1) numbers of the pairs that `draw` has drawn."""
-    return load(drawn, tile & 1, axis, tile >> 1)
+    return load(drawn[(2 * (tile & 1) + axis) * (drawn.size // 4) + WIDTH * (tile >> 1) :])
 
 
 @numba.njit(cache=True, error_model="numpy")

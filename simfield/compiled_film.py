@@ -9,16 +9,16 @@ from __future__ import annotations
 import numba
 import numpy as np
 
-import simfield.lanes_compiled  # noqa: F401  lanes for numba
 from simfield.compiled_draws import draw, drawn_of
 from simfield.lanes import WIDTH, align_stack, load, same, store
+from simfield.lanes_compiled import inlined, kernel
 
 COLUMNS = 9
 CORRECTIONS = 2
 """of what is not linear: a film that moves by 0.3 mm, with a curvature of 4e-5 / mm, is solved to 1e-13 mm after two"""
 
 
-@numba.njit(cache=True, error_model="numpy")
+@kernel
 def film_coefficients(begin, end, column, sigma, key, owner, start, drawn, film):  # type: ignore[no-untyped-def]
     """film (tiles, 2, COLUMNS, WIDTH): the coefficients of an image, from the rows begin .. end - 1 of a FilmTable.
 
@@ -33,7 +33,7 @@ def film_coefficients(begin, end, column, sigma, key, owner, start, drawn, film)
                 store(film, load(film, tile, axis, c) + sigma[row, axis] * drawn_of(drawn, tile, axis), tile, axis, c)
 
 
-@numba.njit(cache=True, error_model="numpy", inline="always")
+@inlined
 def solve_film(x, y, local, row, film, tile, shift_x, shift_y):  # type: ignore[no-untyped-def]
     """(u, v), lanes that solve (u, v) = shift + local(u, v) + film((x, y) + (u, v)).
 
@@ -81,7 +81,7 @@ def add_film(lanes, start, rows, ends, place, local, table_ends, column, sigma, 
     FilmTable (column, sigma, key, owner); local (k, 2, 5).
     """
     align_stack()
-    drawn, film, still = np.empty((2, 2, 1, WIDTH)), np.empty((2, 2, COLUMNS, WIDTH)), same(0.0)
+    drawn, film, still = np.empty(4 * WIDTH), np.empty((2, 2, COLUMNS, WIDTH)), same(0.0)
     for two in range(0, lanes.shape[0], 2):
         for i in range(len(ends) - 1):
             if ends[i] == ends[i + 1]:

@@ -13,10 +13,8 @@ import numpy as np
 
 from simfield.block import Floats, Indices
 from simfield.counter_normals import Words, normal_pairs
+from simfield.lanes import WIDTH
 from simfield.moving_film import MovingFilm
-
-WIDTH = 8
-"""trials a tile of numbers drawn together"""
 
 
 @dataclass(frozen=True, eq=False)

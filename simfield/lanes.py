@@ -29,14 +29,15 @@ class Arena:
     memory were up to a third slower, and by chance.
     """
 
-    def __init__(self) -> None:
-        self.free = np.empty(0, dtype=np.uint8)
+    def __init__(self, at_once: int = LARGE_PAGES) -> None:
+        """at_once: the bytes that the system is asked for at a time."""
+        self.at_once, self.free = at_once, np.empty(0, dtype=np.uint8)
 
     def zeros(self, *shape: int, dtype: type[np.floating[Any]] = np.float64) -> npt.NDArray[Any]:
         """An array of zeros that nobody else has."""
         size = math.prod(shape) * np.dtype(dtype).itemsize
         if len(self.free) < size + CACHE_LINE:
-            self.free = np.zeros(max(LARGE_PAGES, size + CACHE_LINE), dtype=np.uint8)
+            self.free = np.zeros(max(self.at_once, size + CACHE_LINE), dtype=np.uint8)
         begin = -self.free.ctypes.data % CACHE_LINE
         taken, self.free = self.free[begin : begin + size], self.free[begin + size :]
         return taken.view(dtype).reshape(shape)

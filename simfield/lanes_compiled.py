@@ -11,6 +11,7 @@ import operator
 from collections.abc import Callable
 from typing import Any
 
+import numba
 from llvmlite import ir
 from numba.core import cgutils, types
 from numba.core.typing.templates import ConcreteTemplate, infer_global, signature
@@ -19,6 +20,12 @@ from numba.extending import intrinsic, lower_builtin, models, overload, register
 from simfield import lanes as plain
 from simfield.lanes import CACHE_LINE, WIDTH, WIDTH_SINGLE
 
+OPTIONS: dict[str, Any] = {"cache": True, "error_model": "numpy", "_nrt": False}
+kernel = numba.njit(**OPTIONS)
+"""Compile a function that makes no arrays and keeps none: numba then does not count who holds which. In inner loops
+over arrays of a named tuple, counting cost more than the arithmetic."""
+inlined = numba.njit(**OPTIONS, inline="always")
+"""The same for a function that is written into those that call it."""
 FLAGS = ("contract", "nsz", "arcp")
 """what LLVM may do with the arithmetic of lanes"""
 

@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from simfield.block import Floats
-from simfield.draws import WIDTH
+from simfield.lanes import WIDTH
 from simfield.measurement import CountError
 from simfield.simulate import World
 from studies.conditions import Condition

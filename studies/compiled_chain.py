@@ -6,10 +6,6 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-import numba
-import numpy as np
-
-import simfield.lanes_compiled  # noqa: F401  lanes for numba
 from adjust.reductions.compiled import oriented, reduced
 from adjust.reductions.compiled_optics import without_lens_and_air
 from simfield.block import Floats, Indices
@@ -24,7 +20,8 @@ from simfield.chain.compiled import (
 )
 from simfield.compiled_draws import draw
 from simfield.expansion import REACH_MM
-from simfield.lanes import WIDTH, align_stack, any_above, load, store
+from simfield.lanes import WIDTH, align_stack, any_above, store
+from simfield.lanes_compiled import inlined, kernel
 
 
 class Tail(NamedTuple):
@@ -52,16 +49,17 @@ class Confusion(NamedTuple):
     share: Any
 
 
-@numba.njit(cache=True, error_model="numpy", _nrt=False)
+@kernel
 def measure_and_reduce(  # type: ignore[no-untyped-def]
     lanes, start, points, marks, session, frame, tail, optics, confusion, column, room, work, mark_xy
 ):
     """Image coordinates of the trials from `start` on into lanes (tiles, k, 2, WIDTH), an even number of tiles.
 
-    column (n): where each of the sorted points goes; room, work, mark_xy (tiles, s, 2, WIDTH): to work in. What lies
-    beyond the certificate of its lens becomes NaN.
+    column (n): where each of the sorted points goes; room, work, mark_xy (tiles, s, 2, WIDTH): to work in. Returns
+    whether all points lie within the certificates of their lenses; one that does not becomes NaN.
     """
     align_stack()
+    within = True
     deformed, gross = is_deformed(session, room), session.gross_share > 0
     for i in range(len(points.ends) - 1):
         begin, end = points.ends[i], points.ends[i + 1]
@@ -80,7 +78,7 @@ def measure_and_reduce(  # type: ignore[no-untyped-def]
                     x, y = on_machine(points, n, n - at, tile, session, deformed, room)
                     x, y = reduced(frame, points.time[n], x, y, tile, work)
                     if tail.wanted:
-                        _put_down(n, i, tail, optics, x, y, tile, column[n], lanes, room.exact)
+                        within &= _put_down(n, i, tail, optics, x, y, tile, column[n], lanes, room.exact)
                     else:
                         store(lanes, x, tile, column[n], 0)
                         store(lanes, y, tile, column[n], 1)
@@ -88,11 +86,15 @@ def measure_and_reduce(  # type: ignore[no-untyped-def]
                     room.gross[:] = 0.0
         if confusion.share > 0:
             _exchange(i, start, confusion, points, column, room, lanes)
+    return within
 
 
-@numba.njit(cache=True, error_model="numpy", _nrt=False, inline="always")
-def _put_down(n, i, tail, optics, x, y, tile, row, lanes, work_xy):  # type: ignore[no-untyped-def]
-    """Point n of all, lanes (x, y) in image i, into lanes[tile, row] without what lens and air have done."""
+@inlined
+def _put_down(n, i, tail, optics, x, y, tile, row, lanes, exact):  # type: ignore[no-untyped-def]
+    """Point n of all, lanes (x, y) in image i, into lanes[tile, row] without what lens and air have done.
+
+    Returns whether all trials lie within the certificate; exact (2, WIDTH): to work in.
+    """
     local, at_x, at_y = tail.local, tail.place[n, 0], tail.place[n, 1]
     u, v = x - at_x, y - at_y
     uu, uv, vv = u * u, u * v, v * v
@@ -102,23 +104,28 @@ def _put_down(n, i, tail, optics, x, y, tile, row, lanes, work_xy):  # type: ign
     by_y = by_y + (local[n, 1, 2] * uu + local[n, 1, 3] * uv + local[n, 1, 4] * vv)
     store(lanes, x - by_x, tile, row, 0)
     store(lanes, y - by_y, tile, row, 1)
+    within = True
     if any_above(uu + vv, REACH_MM * REACH_MM if tail.smooth[n] else -1.0):
-        _put_down_exactly(i, optics, x, y, at_x, at_y, tail.smooth[n], tile, row, lanes, work_xy)
+        store(exact, x, 0)
+        store(exact, y, 1)
+        within = _put_down_exactly(i, optics, exact, at_x, at_y, tail.smooth[n], tile, row, lanes)
+    return within
 
 
-@numba.njit(cache=True, error_model="numpy", _nrt=False)
-def _put_down_exactly(i, optics, x, y, at_x, at_y, smooth, tile, row, lanes, xy):  # type: ignore[no-untyped-def]
-    """Those trials of lanes (x, y) that lie beyond the reach of an expansion around (at_x, at_y), or all."""
-    store(xy, x, 0)
-    store(xy, y, 1)
-    reach = REACH_MM * REACH_MM if smooth else -1.0
+@kernel
+def _put_down_exactly(i, optics, xy, at_x, at_y, smooth, tile, row, lanes):  # type: ignore[no-untyped-def]
+    """Those trials of xy (2, WIDTH) that lie beyond the reach of an expansion around (at_x, at_y), or all."""
+    reach, within = REACH_MM * REACH_MM if smooth else -1.0, True
     for t in range(WIDTH):
         p, q = xy[0, t], xy[1, t]
         if not (p - at_x) ** 2 + (q - at_y) ** 2 <= reach:
-            lanes[tile, row, 0, t], lanes[tile, row, 1, t] = without_lens_and_air(i, optics, p, q)
+            x, y = without_lens_and_air(i, optics, p, q)
+            lanes[tile, row, 0, t], lanes[tile, row, 1, t] = x, y
+            within &= x == x
+    return within
 
 
-@numba.njit(cache=True, error_model="numpy", _nrt=False)
+@kernel
 def _exchange(i, start, confusion, points, column, room, lanes):  # type: ignore[no-untyped-def]
     """Exchange the coordinates of the pairs of image i that were taken for each other."""
     k = confusion.key

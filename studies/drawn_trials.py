@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from simfield.block import Floats, Indices
-from simfield.draws import WIDTH
+from simfield.lanes import WIDTH
 from simfield.simulate import World
 
 

@@ -24,6 +24,8 @@ from studies.reduction import Plan, marks_of, through_lens_and_air
 
 TOGETHER = 32
 """trials that are computed together, always the same, so that their bits do not hang on the block"""
+SCRATCH = 1 << 18
+"""bytes: about what an image needs to be worked on"""
 NEAR_CENTRE_MM = 10.0
 """where a certificate's second order goes with the inverse of the radius, and the formula itself is used"""
 
@@ -89,16 +91,15 @@ class MeasuredTrials:
 
         parts, kept, places = self._tables
         wide = lanes if kept is None else np.empty((len(lanes), self.prepared.count, 2, WIDTH))
-        arena, tiles, marks = Arena(), TOGETHER // WIDTH, parts[1]
+        arena, tiles, marks = Arena(SCRATCH), TOGETHER // WIDTH, parts[1]
         room, work = Room.of(tiles, marks.modes.shape[1], arena), Work.of(tiles, arena)
         mark_xy = arena.zeros(tiles, len(marks.place) // len(self.prepared.world.plan), 2, WIDTH)
         for tile in range(0, len(wide), tiles):
             own = wide[tile : tile + tiles]
-            measure_and_reduce(own, number + WIDTH * tile, *parts, places, room, work, mark_xy)  # type: ignore[call-arg]
+            if not measure_and_reduce(own, number + WIDTH * tile, *parts, places, room, work, mark_xy):
+                raise ValueError("an error has thrown a point beyond the certificate of its lens")
         if kept is not None:
             lanes[:] = wide[:, kept]
-        if np.isnan(lanes).any():
-            raise ValueError("an error has thrown a point beyond the certificate of its lens")
 
     @cached_property
     def _raw(self) -> Raw:

@@ -7,12 +7,10 @@ depend on its neighbours.
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
-import numba
 import numpy as np
 
-import simfield.lanes_compiled  # noqa: F401  lanes for numba
 from adjust.reductions.compiled_equations import (
     MOST_DEGREE,
     MOST_POWERS,
@@ -25,6 +23,7 @@ from adjust.reductions.compiled_equations import (
 from adjust.reductions.inner import PARAMETERS, UNIT_MM, Kind
 from simfield.block import Floats, Indices
 from simfield.lanes import WIDTH, Arena, align_stack, load, root, same, store
+from simfield.lanes_compiled import inlined, kernel
 
 KINDS: tuple[Kind, ...] = tuple(PARAMETERS)
 HELMERT, AFFINE, BILINEAR, PROJECTIVE = range(4)
@@ -125,7 +124,7 @@ def drift_weights(image: Indices, mark: Indices, time: Floats, images: int) -> F
     return weights
 
 
-@numba.njit(cache=True, error_model="numpy", _nrt=False)
+@kernel
 def oriented(i, frame, mark_time, marks, work):  # type: ignore[no-untyped-def]
     """Find what is known of image i from marks (tiles, s, 2, WIDTH), mm on the machine, which are reduced in place."""
     align_stack()
@@ -162,26 +161,29 @@ def oriented(i, frame, mark_time, marks, work):  # type: ignore[no-untyped-def]
             fit_reseau(frame.degree, frame.cross, frame.places[i], own, work, work.shift[tile])
 
 
-@numba.njit(cache=True, error_model="numpy", _nrt=False, inline="always")
+@inlined
 def reduced(frame, time, x, y, tile, work):  # type: ignore[no-untyped-def]
     """Lanes (x, y) mm of a point on the machine, set at `time`, in the frame of the marks of its image."""
     x, y = _rectangular(frame, work.known, tile, time, x, y)
     if frame.kind != NO_KIND:
-        x, y = (x - load(work.known, tile, CENTRE)) * (1.0 / UNIT_MM), (y - load(work.known, tile, CENTRE + 1)) * (1.0 / UNIT_MM)
+        x, y = (
+            (x - load(work.known, tile, CENTRE)) * (1.0 / UNIT_MM),
+            (y - load(work.known, tile, CENTRE + 1)) * (1.0 / UNIT_MM),
+        )
         x, y = _transformed(frame.kind, work.known, tile, x, y)
         if frame.degree > 0:
             x, y = without_shift(frame.degree, work.shift, tile, x, y)
     return x, y
 
 
-@numba.njit(cache=True, error_model="numpy", _nrt=False, inline="always")
+@inlined
 def _rectangular(frame, known, tile, time, x, y):  # type: ignore[no-untyped-def]
     """Lanes (x, y) without drift, on rectangular axes of true scale."""
     y = (y - time * load(known, tile, RATE + 1)) * frame.by_y
     return ((x - time * load(known, tile, RATE)) - frame.shear * y) * frame.by_x, y
 
 
-@numba.njit(cache=True, error_model="numpy", _nrt=False, inline="always")
+@inlined
 def _transformed(kind, known, tile, x, y):  # type: ignore[no-untyped-def]
     """Lanes (x, y), in UNIT_MM from the centre, in the frame of the marks, mm."""
     u = load(known, tile, 0) * x + load(known, tile, 1) * y + load(known, tile, 2)
@@ -194,7 +196,7 @@ def _transformed(kind, known, tile, x, y):  # type: ignore[no-untyped-def]
     return u, v
 
 
-@numba.njit(cache=True, error_model="numpy", _nrt=False)
+@kernel
 def _find_parameters(kind, fiducial, places, marks, known, work):  # type: ignore[no-untyped-def]
     """Parameters into known (ROWS, WIDTH) from marks (s, 2, WIDTH) in UNIT_MM and their places (s, 2) mm."""
     if kind == HELMERT:
@@ -205,7 +207,7 @@ def _find_parameters(kind, fiducial, places, marks, known, work):  # type: ignor
         _projective(fiducial, places, marks, known)
 
 
-@numba.njit(cache=True, error_model="numpy", _nrt=False)
+@kernel
 def _helmert(fiducial, places, marks, known):  # type: ignore[no-untyped-def]
     """X = a x - b y + c, Y = b x + a y + d over marks that are reduced to their centre."""
     align_stack()
@@ -226,7 +228,7 @@ def _helmert(fiducial, places, marks, known):  # type: ignore[no-untyped-def]
     store(known, same(d), 6)
 
 
-@numba.njit(cache=True, error_model="numpy", _nrt=False)
+@kernel
 def _linear(terms, fiducial, places, marks, known, work):  # type: ignore[no-untyped-def]
     """X and Y each by the terms x, y, 1 and, with four terms, x y."""
     align_stack()
@@ -247,7 +249,7 @@ def _linear(terms, fiducial, places, marks, known, work):  # type: ignore[no-unt
         store(known, load(work.gradient, j, 1), 4 + j)
 
 
-@numba.njit(cache=True, error_model="numpy", _nrt=False)
+@kernel
 def _projective(fiducial, places, marks, known):  # type: ignore[no-untyped-def]
     """Gauss-Newton from affine parameters.
 
@@ -310,7 +312,7 @@ def _projective(fiducial, places, marks, known):  # type: ignore[no-untyped-def]
             store(known, load(known, j) + change[j], j)
 
 
-@numba.njit(cache=True, error_model="numpy", _nrt=False, inline="always")
+@inlined
 def _forward(factor, a, b, c):  # type: ignore[no-untyped-def]
     """L^-1 (a, b, c); factor: L by rows, with reciprocal diagonal."""
     a = a * factor[0]
@@ -318,7 +320,7 @@ def _forward(factor, a, b, c):  # type: ignore[no-untyped-def]
     return a, b, (c - factor[3] * a - factor[4] * b) * factor[5]
 
 
-@numba.njit(cache=True, error_model="numpy", _nrt=False, inline="always")
+@inlined
 def _backward(factor, a, b, c):  # type: ignore[no-untyped-def]
     """L^-T (a, b, c)."""
     c = c * factor[5]

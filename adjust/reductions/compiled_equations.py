@@ -5,12 +5,9 @@ Readable form of the latter: `adjust.reductions.reseau`.
 
 from __future__ import annotations
 
-import numba
-import numpy as np
-
-import simfield.lanes_compiled  # noqa: F401  lanes for numba
 from adjust.reductions.inner import UNIT_MM
 from simfield.lanes import align_stack, load, root, same, store
+from simfield.lanes_compiled import inlined, kernel
 
 MOST_DEGREE = 5
 """of a reseau correction; normal equations of higher polynomials lose too many digits"""
@@ -19,7 +16,7 @@ MOST_POWERS = 2 * MOST_DEGREE + 1
 """powers of a coordinate, with that to 0, in sums of products of two monomials"""
 
 
-@numba.njit(cache=True, error_model="numpy", _nrt=False)
+@kernel
 def add_row(terms, row, right, normal, gradient):  # type: ignore[no-untyped-def]
     """normal (p, p, WIDTH) += row row^T, the lower triangle alone; gradient (p, w, WIDTH) += row right^T (w, WIDTH).
 
@@ -33,7 +30,7 @@ def add_row(terms, row, right, normal, gradient):  # type: ignore[no-untyped-def
             store(gradient, load(gradient, i, w) + own * load(right, w), i, w)
 
 
-@numba.njit(cache=True, error_model="numpy", _nrt=False)
+@kernel
 def solve_normal(p, normal, right):  # type: ignore[no-untyped-def]
     """right (p, w, WIDTH) becomes normal^-1 right in every trial, by Cholesky; of normal (p, p, WIDTH) the lower
     triangle. Arrays may have more rows than p.
@@ -63,7 +60,7 @@ def solve_normal(p, normal, right):  # type: ignore[no-untyped-def]
             store(right, rest * load(normal, i, i), i, w)
 
 
-@numba.njit(cache=True, error_model="numpy", _nrt=False)
+@kernel
 def fit_reseau(degree, cross, places, marks, work, shift):  # type: ignore[no-untyped-def]
     """shift (MOST_TERMS, 2, WIDTH): coefficients of the correction that brings the crosses to their places.
 
@@ -73,7 +70,8 @@ def fit_reseau(degree, cross, places, marks, work, shift):  # type: ignore[no-un
     """
     align_stack()
     power, moment, one = work.row, work.moment, same(1.0)
-    moment[:], shift[:] = 0.0, 0.0
+    moment[: 2 * degree + 1, : 2 * degree + 1] = 0.0
+    shift[: (degree + 1) * (degree + 2) // 2] = 0.0
     store(power, one, 0)
     for s in cross:
         x, y = load(marks, s, 0), load(marks, s, 1)
@@ -106,7 +104,7 @@ def fit_reseau(degree, cross, places, marks, work, shift):  # type: ignore[no-un
     solve_normal(i, work.normal, shift)
 
 
-@numba.njit(cache=True, error_model="numpy", _nrt=False, inline="always")
+@inlined
 def without_shift(degree, shift, tile, x, y):  # type: ignore[no-untyped-def]
     """Lanes (x, y) mm with the correction that `fit_reseau` has found, by Horner's scheme."""
     u, v = x * (1.0 / UNIT_MM), y * (1.0 / UNIT_MM)

@@ -8,11 +8,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import NamedTuple
 
-import numba
 import numpy as np
 
 from adjust.reductions.lens import TO_HARMONICS, half_diagonals
 from simfield.block import Floats, Indices
+from simfield.lanes_compiled import kernel
 
 ROOT_2 = float(np.sqrt(2.0))
 
@@ -62,7 +62,7 @@ def optics(
     )
 
 
-@numba.njit(cache=True, error_model="numpy", _nrt=False)
+@kernel
 def without_lens_and_air(i, optics, x, y):  # type: ignore[no-untyped-def]
     """(x, y) mm of image i without lens errors, refraction and curvature; NaN beyond the certificate.
 

@@ -8,23 +8,22 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-import numba
 import numpy as np
 
-import simfield.lanes_compiled  # noqa: F401  lanes for numba
 from simfield.block import Floats
 from simfield.compiled_draws import ZERO, _philox, draw, drawn_of
 from simfield.compiled_film import COLUMNS, film_coefficients, solve_film
 from simfield.lanes import WIDTH, Arena, align_stack, load, same, store
+from simfield.lanes_compiled import inlined, kernel
 
 
 class Room(NamedTuple):
     """Where an image is worked on, for an even number of tiles.
 
-    drawn (2, 2, tiles / 2, WIDTH): numbers as `simfield.compiled_draws.draw` leaves them; film (tiles, 2, COLUMNS,
-    WIDTH) coefficients; field (q, 2, 2, tiles / 2, WIDTH): numbers of the smooth field, by mode; smooth (2, tiles, 2,
-    WIDTH) mm: the field at two places; placed (tiles, 4, WIDTH): cosine and sine of the film's turn, its shift, mm;
-    gross (tiles, 2, WIDTH) mm: gross errors of a point; word (4, 2 tiles) and hit (tiles, WIDTH): who has one.
+    drawn (2 T), T trials: numbers as `simfield.compiled_draws.draw` leaves them; film (tiles, 2, COLUMNS, WIDTH)
+    coefficients; field (q, 2 T): numbers of the smooth field, by mode; smooth (2, tiles, 2, WIDTH) mm: the field at two
+    places; placed (tiles, 4, WIDTH): cosine and sine of the film's turn, its shift, mm; gross (tiles, 2, WIDTH) mm:
+    gross errors of a point; word (4, 2 tiles) and hit (tiles, WIDTH): who has one; exact (2, WIDTH) mm: for others.
     """
 
     drawn: Floats
@@ -40,11 +39,10 @@ class Room(NamedTuple):
     @classmethod
     def of(cls, tiles: int, modes: int, arena: Arena) -> Room:
         """For so many tiles, and so many modes of the smooth field."""
-        pairs = (2, 2, tiles // 2, WIDTH)
         return cls(
-            arena.zeros(*pairs),
+            arena.zeros(2 * tiles * WIDTH),
             arena.zeros(tiles, 2, COLUMNS, WIDTH),
-            arena.zeros(modes, *pairs),
+            arena.zeros(modes, 2 * tiles * WIDTH),
             arena.zeros(2, tiles, 2, WIDTH),
             arena.zeros(tiles, 4, WIDTH),
             arena.zeros(tiles, 2, WIDTH),
@@ -54,7 +52,7 @@ class Room(NamedTuple):
         )
 
 
-@numba.njit(cache=True, error_model="numpy", _nrt=False)
+@kernel
 def take_image(i, start, session, room):  # type: ignore[no-untyped-def]
     """Draw film, smooth field and placement of image i in the trials from `start` on, a multiple of 16."""
     align_stack()
@@ -68,8 +66,9 @@ def take_image(i, start, session, room):  # type: ignore[no-untyped-def]
     k, word = session.placement_key, session.image_word[i]
     draw(ZERO, word, start, k[0], k[1], room.drawn)
     for tile in range(room.placed.shape[0]):
+        store(room.placed, drawn_of(room.drawn, tile, 0), tile, 2)
         for t in range(WIDTH):
-            angle = session.turn_sigma * room.drawn[tile & 1, 0, tile >> 1, t]
+            angle = session.turn_sigma * room.placed[tile, 2, t]
             room.placed[tile, 0, t], room.placed[tile, 1, t] = np.cos(angle), np.sin(angle)
     draw(np.uint64(1), word, start, k[0], k[1], room.drawn)
     for tile in range(room.placed.shape[0]):
@@ -77,17 +76,19 @@ def take_image(i, start, session, room):  # type: ignore[no-untyped-def]
             store(room.placed, session.shift_sigma * drawn_of(room.drawn, tile, axis), tile, 2 + axis)
 
 
-@numba.njit(cache=True, error_model="numpy", _nrt=False)
+@kernel
 def smooth_field(modes, one, two, room):  # type: ignore[no-untyped-def]
     """The smooth field at the places `one` and `two`, rows of modes (n, q)."""
     align_stack()
     field, smooth, zero = room.field, room.smooth, same(0.0)
-    for pair in range(field.shape[3]):
+    quarter = field.shape[1] // 4
+    for pair in range(smooth.shape[1] // 2):
+        even, odd = WIDTH * pair, 2 * quarter + WIDTH * pair
         x0, y0, x1, y1, u0, v0, u1, v1 = zero, zero, zero, zero, zero, zero, zero, zero
         for q in range(field.shape[0]):
             a, b = modes[one, q], modes[two, q]
-            even_x, even_y = load(field, q, 0, 0, pair), load(field, q, 0, 1, pair)
-            odd_x, odd_y = load(field, q, 1, 0, pair), load(field, q, 1, 1, pair)
+            even_x, even_y = load(field[q, even:]), load(field[q, even + quarter :])
+            odd_x, odd_y = load(field[q, odd:]), load(field[q, odd + quarter :])
             x0, y0, x1, y1 = x0 + a * even_x, y0 + a * even_y, x1 + a * odd_x, y1 + a * odd_y
             u0, v0, u1, v1 = u0 + b * even_x, v0 + b * even_y, u1 + b * odd_x, v1 + b * odd_y
         store(smooth, x0, 0, 2 * pair, 0)
@@ -100,7 +101,7 @@ def smooth_field(modes, one, two, room):  # type: ignore[no-untyped-def]
         store(smooth, v1, 1, 2 * pair + 1, 1)
 
 
-@numba.njit(cache=True, error_model="numpy", _nrt=False, inline="always")
+@inlined
 def on_machine(places, row, half, tile, session, deformed, room):  # type: ignore[no-untyped-def]
     """Machine coordinates, two lanes in mm, of a place whose numbers are drawn and whose smooth field is in `half`.
 
@@ -122,7 +123,7 @@ def on_machine(places, row, half, tile, session, deformed, room):  # type: ignor
     )
 
 
-@numba.njit(cache=True, error_model="numpy", _nrt=False)
+@kernel
 def set_marks(i, start, marks, session, room, xy):  # type: ignore[no-untyped-def]
     """xy (tiles, s, 2, WIDTH) mm: machine coordinates of the settings of marks in image i, which is taken."""
     align_stack()
@@ -138,13 +139,13 @@ def set_marks(i, start, marks, session, room, xy):  # type: ignore[no-untyped-de
                 store(xy, y, tile, row - begin, 1)
 
 
-@numba.njit(cache=True, error_model="numpy", _nrt=False, inline="always")
+@inlined
 def is_deformed(session, room):  # type: ignore[no-untyped-def]
     """Whether film changes from trial to trial."""
     return session.table_ends[-1] > 0 or room.field.shape[0] > 0
 
 
-@numba.njit(cache=True, error_model="numpy", _nrt=False)
+@kernel
 def below_share(first, second, start, k0, k1, share, word, hit):  # type: ignore[no-untyped-def]
     """hit (tiles, WIDTH): 1 where the word of a trial from `start` on lies below `share`, else 0; True if any does.
 
@@ -163,7 +164,7 @@ def below_share(first, second, start, k0, k1, share, word, hit):  # type: ignore
     return True
 
 
-@numba.njit(cache=True, error_model="numpy", _nrt=False)
+@kernel
 def gross_errors(first, second, start, session, room):  # type: ignore[no-untyped-def]
     """Draw the gross errors of a point; True if any trial has one. They are to be taken back afterwards: `no_gross`."""
     k = session.gross_key

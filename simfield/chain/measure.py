@@ -118,7 +118,7 @@ class Prepared:
         Both are normal and only their sum is seen, so one number stands for both.
         """
         marks = np.full(len(self.image) - self.count, self.chain.errors.pointing_um / 1000.0)
-        return np.hypot(np.concatenate([self.world.image_noise.sigma, marks]), self._setting_sigma)
+        return np.asarray(np.hypot(np.concatenate([self.world.image_noise.sigma, marks]), self._setting_sigma))
 
     @property
     def image_words(self) -> Words:

@@ -9,10 +9,11 @@ from typing import ClassVar
 import numpy as np
 import pytest
 
-from adjust import ap_models, kernels, lanes
+from adjust import ap_models, kernels
 from adjust.ap_models import MODELS, ApModel, Certainty, properties
 from adjust.ap_models.model import Term
 from adjust.traced_terms import Trace, UntraceableError, compile_gradient
+from simfield import lanes
 from simfield.block import Floats
 
 AGREEMENT = 1e-12

@@ -10,10 +10,10 @@ import pytest
 
 import simfield.lanes_compiled  # noqa: F401  lanes for numba
 from adjust import ap_models, kernels
-from simfield import lanes
-from simfield.lanes import WIDTH, Arena, load, store
 from adjust.rotation import rotation_matrices
 from adjust.traced_terms import compile_gradient
+from simfield import lanes
+from simfield.lanes import WIDTH, Arena, load, store
 
 FUSED = 4 * np.finfo(float).eps
 """of results near 1: a product and a sum may be fused"""
