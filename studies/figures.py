@@ -20,6 +20,8 @@ POINT_UNIT_MM = 10.0
 HALF_FORMAT_MM = 115.0
 LINE = 30
 """characters that fit below a heat map side by side"""
+WHITE_ABOVE, WHITE_BELOW = 0.62, -0.77
+"""correlations whose cells are so dark that white numbers have more contrast than black ones"""
 DASHES: tuple[Any, ...] = ("-", (0, (5, 1.5)), (0, (1.5, 1.5)), (0, (5, 1.5, 1.5, 1.5)))
 
 
@@ -93,7 +95,7 @@ def correlation_matrix(axes: Axes, upper: Floats, lower: Floats, names: Sequence
     both = np.triu(upper, 1) + np.tril(lower, -1)
     mesh = axes.pcolormesh(both, cmap="PuOr", vmin=-1.0, vmax=1.0, edgecolors="white", linewidth=0.4)
     for i, j in zip(*np.nonzero(np.abs(both) >= 0.095), strict=True):
-        dark = abs(both[i, j]) > 0.6
+        dark = both[i, j] > WHITE_ABOVE or both[i, j] < WHITE_BELOW
         text = f"{100 * both[i, j]:.0f}".replace("-", "−")
         axes.text(j + 0.5, i + 0.5, text, ha="center", va="center", fontsize=6.0, color="white" if dark else BLACK)
     axes.plot([0, size], [0, size], color=GREY, linewidth=0.7)

@@ -121,6 +121,7 @@ def nested_loop(
     axes.set_xticks([])
     axes.set_xlabel(f"{combinations} combinations, each a step")
     axes.grid(True, axis="y")
+    axes.set_axisbelow(True)
     if len(series) > 1:
         axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), fontsize=7.5, ncols=3)
 
