@@ -10,6 +10,7 @@ from itertools import pairwise
 from typing import Any
 
 from studies.inline_svg import Drawing
+from studies.markdown_text import unbroken
 
 TABLE = '<div class="table" role="region" aria-label="table" tabindex="0"><table>\n'
 PAGE_WIDTH_PT = 360.0
@@ -20,7 +21,6 @@ LEAST_LETTER_PT = 6.9
 """9.2 px: a figure is never drawn so narrow that its smallest letters are smaller"""
 NUMBER = re.compile(r"(?=.*\d)[-+−?]?[\d.?]+(?:e[-+]?\d+)?(?: [±/] [-\de.?–]+| \([-\d.–]+\))?\Z|–\Z")
 """a cell of a column of numbers: 5, -0.2, 5.70 ± 0.02, 6.4 / 6.59, 41 (32–52), a dash"""
-UNIT = re.compile(r"(?<=\d) (?=(?:%|[uµm]m)(?!\w))")
 OPTION = re.compile(r"(?<!\S)--\w[-\w]*")
 Figure = Callable[[str, str], Drawing]
 """the figure of a file name; the second argument is the text that stands for it"""
@@ -67,7 +67,7 @@ def _figure_rule(figure: Figure) -> Any:
         kind = "wide" if drawing.width_pt > PAGE_WIDTH_PT else "narrow"
         if max(least_pt, drawing.width_pt if kind == "wide" else 0.0) > PHONE_WIDTH_PT:
             kind += " scrolls"
-        title, says = (escape(UNIT.sub("\u00a0", text)) for text in (drawing.title, drawing.says))
+        title, says = (escape(unbroken(text)) for text in (drawing.title, drawing.says))
         caption = f"<figcaption><b>{title}.</b> {says}</figcaption>"
         size = f'style="--natural:{drawing.width_pt:g}pt;--least:{least_pt:.0f}pt"'
         return f'<figure class="{kind}" {size}><div class="drawing">{drawing.markup}</div>{caption}</figure>'
@@ -102,7 +102,7 @@ def _break_at_good_places(tokens: Sequence[Any]) -> None:
     for before, token in pairwise(tokens):
         for child in token.children or ():
             if child.type == "text":
-                child.content = UNIT.sub("\u00a0", child.content)
+                child.content = unbroken(child.content)
                 if before.type == "th_open":
                     child.type, child.content = "html_inline", escape(child.content).replace("_", "_<wbr>")
 
