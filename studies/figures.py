@@ -18,8 +18,12 @@ if TYPE_CHECKING:
 
 POINT_UNIT_MM = 10.0
 HALF_FORMAT_MM = 115.0
+FEW = 8
+"""unknowns of a heat map whose cells have room for larger numbers"""
 LINE = 30
 """characters that fit below a heat map side by side"""
+WHITE_ABOVE, WHITE_BELOW = 0.62, -0.77
+"""correlations whose cells are so dark that white numbers have more contrast than black ones"""
 DASHES: tuple[Any, ...] = ("-", (0, (5, 1.5)), (0, (1.5, 1.5)), (0, (5, 1.5, 1.5, 1.5)))
 
 
@@ -92,14 +96,15 @@ def correlation_matrix(axes: Axes, upper: Floats, lower: Floats, names: Sequence
     size = len(names)
     both = np.triu(upper, 1) + np.tril(lower, -1)
     mesh = axes.pcolormesh(both, cmap="PuOr", vmin=-1.0, vmax=1.0, edgecolors="white", linewidth=0.4)
+    letters = 6.0 if size > FEW else 7.5
     for i, j in zip(*np.nonzero(np.abs(both) >= 0.095), strict=True):
-        dark = abs(both[i, j]) > 0.6
+        dark = both[i, j] > WHITE_ABOVE or both[i, j] < WHITE_BELOW
         text = f"{100 * both[i, j]:.0f}".replace("-", "−")
-        axes.text(j + 0.5, i + 0.5, text, ha="center", va="center", fontsize=6.0, color="white" if dark else BLACK)
+        axes.text(j + 0.5, i + 0.5, text, ha="center", va="center", fontsize=letters, color="white" if dark else BLACK)
     axes.plot([0, size], [0, size], color=GREY, linewidth=0.7)
     axes.set(xlim=(0, size), ylim=(size, 0), aspect="equal")
-    axes.set_xticks(np.arange(size) + 0.5, names, fontsize=7, rotation=90 if sum(map(len, names)) > LINE else 0)
-    axes.set_yticks(np.arange(size) + 0.5, names, fontsize=7)
+    axes.set_xticks(np.arange(size) + 0.5, names, fontsize=7.5, rotation=90 if sum(map(len, names)) > LINE else 0)
+    axes.set_yticks(np.arange(size) + 0.5, names, fontsize=7.5)
     axes.tick_params(length=0)
     axes.spines[:].set_visible(False)
     return mesh
@@ -110,9 +115,9 @@ def correlation_rectangle(axes: Axes, values: Floats, rows: Sequence[str], colum
     mesh = axes.pcolormesh(values, cmap="PuOr", vmin=-1.0, vmax=1.0, edgecolors="white", linewidth=0.4)
     axes.set(xlim=(0, len(columns)), ylim=(len(rows), 0))
     axes.set_xticks(
-        np.arange(len(columns)) + 0.5, columns, fontsize=7, rotation=90 if sum(map(len, columns)) > LINE else 0
+        np.arange(len(columns)) + 0.5, columns, fontsize=7.5, rotation=90 if sum(map(len, columns)) > LINE else 0
     )
-    axes.set_yticks(np.arange(len(rows)) + 0.5, rows, fontsize=7)
+    axes.set_yticks(np.arange(len(rows)) + 0.5, rows, fontsize=7.5)
     axes.tick_params(length=0)
     axes.spines[:].set_visible(False)
     return mesh

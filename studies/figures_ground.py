@@ -13,6 +13,8 @@ from studies.canvas import BLACK, BLUE, COLOURS, GREY, VERMILION, literal
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.collections import PathCollection
+    from matplotlib.colorbar import Colorbar
+    from matplotlib.figure import Figure
 
     from studies.block_views import PointErrors
 
@@ -23,6 +25,8 @@ MARKS: Mapping[str, tuple[str, str, float]] = {
 }
 """the usual signs: a triangle for control"""
 KILOMETRE = 1000.0
+MARGIN = 1.15
+"""times the longest bar: what the frame of a map of errors leaves around the points"""
 
 
 def field_plan(axes: Axes, block: Block, footprints: Floats) -> None:
@@ -61,6 +65,14 @@ def rays_per_point(axes: Axes, xy_m: Floats, rays: Indices) -> PathCollection:
     return marks
 
 
+def rays_bar(figure: Figure, axes: Axes, marks: PathCollection, shrink: float = 0.8) -> Colorbar:
+    """The colour bar of the marks beside the axes; nobody measures in half an image."""
+    from matplotlib.ticker import MaxNLocator
+
+    label, whole = "images in which the point was measured", MaxNLocator(integer=True)
+    return figure.colorbar(marks, ax=axes, shrink=shrink, label=label, ticks=whole)
+
+
 def error_ellipses(axes: Axes, errors: PointErrors, unit_mm: float, unit_ground_m: float) -> None:
     """One-sigma ellipses at the points and beside them upright bars of the height error.
 
@@ -77,7 +89,7 @@ def error_ellipses(axes: Axes, errors: PointErrors, unit_mm: float, unit_ground_
     axes.vlines(x, y, y + times * errors.height_m, color=VERMILION, linewidth=1.6, label="height, one sigma")
     axes.plot([], [], linestyle="none", marker="o", fillstyle="none", color=BLUE, label="plan, one-sigma ellipse")
     axes.plot(x, y, linestyle="none", marker=".", markersize=2.5, color=BLACK)
-    reach = times * max(float(errors.semi_m.max(initial=0.0)), float(errors.height_m.max(initial=0.0)))
+    reach = MARGIN * times * max(float(errors.semi_m.max(initial=0.0)), float(errors.height_m.max(initial=0.0)))
     axes.set(xlim=(x.min() - reach, x.max() + reach), ylim=(y.min() - reach, y.max() + reach))
     _ground(axes)
     axes.locator_params(nbins=6)

@@ -51,7 +51,7 @@ def zip_plot(axes: Axes, error: Floats, std: Floats, t: float, level: float = 0.
     axes.axhspan(*(100.0 * (covered + sign * INTERVAL * mcse) for sign in (-1.0, 1.0)), color=GREY, alpha=0.35, lw=0)
     axes.set(ylim=(0, 100), yticks=(0, 25, 50, 75, 95), ylabel="trials, % (worst on top)")
     axes.set_xlabel(f"estimate − truth, standard errors\ncovered: {100 * covered:.1f} % ± {100 * mcse:.1f} %")
-    axes.legend(loc="lower right", fontsize=7, frameon=True, framealpha=0.9, edgecolor="none")
+    axes.legend(loc="lower right", fontsize=7.5, frameon=True, framealpha=0.9, edgecolor="none")
 
 
 def lollipops(axes: Axes, labels: Sequence[str], values: Floats, mcse: Floats, xlabel: str) -> None:
@@ -121,6 +121,7 @@ def nested_loop(
     axes.set_xticks([])
     axes.set_xlabel(f"{combinations} combinations, each a step")
     axes.grid(True, axis="y")
+    axes.set_axisbelow(True)
     if len(series) > 1:
         axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), fontsize=7.5, ncols=3)
 
@@ -148,4 +149,4 @@ def _traces(axes: Axes, factors: Mapping[str, Sequence[str]], edges: Floats, top
             levels_said = f"{len(distinct)} levels, {distinct[0]} to {distinct[-1]}"
         said = literal(f"{name}: {levels_said}")
         where = (edges[0] + 0.01 * len(levels), base + 0.5 * height)
-        axes.text(*where, said, fontsize=7, va="bottom", clip_on=True, in_layout=False)
+        axes.text(*where, said, fontsize=7.5, va="bottom", clip_on=True, in_layout=False)

@@ -72,7 +72,7 @@ def rays(example: Example) -> Figure:
     figure = new_figure(110, 92)
     axes = figure.subplots()
     marks = figures_ground.rays_per_point(axes, example.block.points.coordinates[:, :2], example.block.rays)
-    figure.colorbar(marks, ax=axes, shrink=0.8, label="images in which the point was measured")
+    figures_ground.rays_bar(figure, axes, marks)
     return figure
 
 

@@ -19,6 +19,9 @@ STYLE = re.compile(r"[-\w\s:;.,#%()]*\Z")
 PICTURE = re.compile(r"data:image/png;base64,[A-Za-z0-9+/=\s]+\Z")
 LENGTH = re.compile(r"(\d+(?:\.\d+)?)pt\Z")
 DECIMALS = re.compile(r"-?\d+\.\d{3,}")
+GLYPHS = re.compile(r"scale\((\d*\.?\d+) -")
+"""a line of text stands upside down, scaled from letters of LETTER_PT"""
+LETTER_PT = 100.0
 
 
 class DrawingError(ValueError):
@@ -27,9 +30,10 @@ class DrawingError(ValueError):
 
 @dataclass(frozen=True)
 class Drawing:
-    """An SVG for a page: its width on paper, what it is called and what it shows, and the element itself."""
+    """An SVG for a page: width and smallest letters on paper (0: none), title, what it shows, the element."""
 
     width_pt: float
+    letter_pt: float
     title: str
     says: str
     markup: str
@@ -55,7 +59,12 @@ def inline(text: str, number: int, title: str = "") -> Drawing:
     parts = [_written(child, f"f{number}-") for child in root]
     head = f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="{escape(root.get("viewBox", ""))}" role="img"'
     head += f' aria-label="{escape(title)}" aria-describedby="f{number}-says">'
-    return Drawing(float(size[1]), title, says, f"{head}{told}{''.join(parts)}</svg>")
+    return Drawing(float(size[1]), _smallest_letters(root), title, says, f"{head}{told}{''.join(parts)}</svg>")
+
+
+def _smallest_letters(root: ElementTree.Element) -> float:
+    scales = (GLYPHS.search(element.get("transform", "")) for element in root.iter())
+    return min((LETTER_PT * float(scale[1]) for scale in scales if scale), default=0.0)
 
 
 def _text(root: ElementTree.Element, name: str) -> str:

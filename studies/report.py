@@ -130,7 +130,7 @@ def _of_pages(folder: Path) -> str:
     text = _text(folder / "report.md", MOST_TEXT)
     if not text.startswith("# "):
         raise StoreError(f"{folder / 'report.md'}: damaged: it does not begin with a title")
-    return _html(text.rstrip("\n") + "\n\n" + "\n".join(_provenance(origin, command)), _figures_of(folder))
+    return _html(text.rstrip("\n") + "\n\n" + "\n".join(_provenance(origin, command, text)), _figures_of(folder))
 
 
 def _figures_of(folder: Path) -> Callable[[str], str]:
@@ -154,7 +154,7 @@ def _text(path: Path, most: int) -> str:
         raise StoreError(f"{path}: damaged: no UTF-8") from None
 
 
-def _provenance(origin: Mapping[str, Any], command: str) -> Iterator[str]:
+def _provenance(origin: Mapping[str, Any], command: str, text: str) -> Iterator[str]:
     from studies.study_page import provenance_table
 
     packages, platform, parameters = (_table(origin, name) for name in ("packages", "platform", "parameters"))
@@ -170,8 +170,9 @@ def _provenance(origin: Mapping[str, Any], command: str) -> Iterator[str]:
             "duration, s": origin.get("duration_s"),
         }
     )
-    yield "Run it again with\n"
-    yield fenced(command)
+    if command not in map(str.strip, text.splitlines()):
+        yield "Run it again with\n"
+        yield fenced(command)
     if any(isinstance(value, dict) for value in parameters.values()):
         yield "The scenarios as they were flown stand in full in provenance.json beside this report.\n"
 

@@ -61,7 +61,7 @@ def _said(thing: Any) -> str:
     parts = [(f.name, getattr(thing, f.name)) for f in fields(thing)]
     kind = getattr(thing, "kind", "")
     said = ", ".join(
-        f"{name} {_value(value)}" for name, value in parts if name != "kind" and value not in (0.0, (), None)
+        f"{name} {_value(value)}" for name, value in parts if name != "kind" and value not in (0.0, (), {}, None)
     )
     return f"{kind}: {said}" if kind else said
 

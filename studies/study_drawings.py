@@ -69,7 +69,7 @@ def world(condition: Condition) -> Iterator[Drawn]:
     def rays(figure: Figure) -> None:
         axes = figure.subplots()
         marks = figures_ground.rays_per_point(axes, block.points.coordinates[:, :2], block.rays)
-        figure.colorbar(marks, ax=axes, shrink=0.8, label="images in which the point was measured")
+        figures_ground.rays_bar(figure, axes, marks)
 
     def radii(figure: Figure) -> None:
         figures.radius_histogram(figure.subplots(), _radii(block, truth), RADIUS_EDGES_MM)

@@ -21,6 +21,12 @@ _ONE_AT_A_TIME = Lock()
 
 LEAST_WIDTH = "40rem"
 """narrower screens scroll, so that letters stay readable"""
+SCROLLING = (
+    "overflow-x:auto;background:"
+    "linear-gradient(to left,#fff 40%,transparent) right/3rem 110% no-repeat local,"
+    "linear-gradient(to left,rgb(0 0 0/0.2),transparent) right/0.8rem 100% no-repeat scroll"
+)
+"""a shadow at the right edge as long as there is more to see; the picture must let it through"""
 
 
 @dataclass(frozen=True)
@@ -33,8 +39,9 @@ class Picture:
     def _repr_html_(self) -> str:
         data = base64.b64encode(self.svg).decode("ascii")
         words = html.escape(self.alternative, quote=True)
-        image = f'<img alt="{words}" style="width:100%;min-width:{LEAST_WIDTH}" src="data:image/svg+xml;base64,{data}">'
-        return f'<div style="overflow-x:auto">{image}</div>'
+        style = f"width:100%;min-width:{LEAST_WIDTH};mix-blend-mode:multiply"
+        image = f'<img alt="{words}" style="{style}" src="data:image/svg+xml;base64,{data}">'
+        return f'<div style="{SCROLLING}">{image}</div>'
 
 
 def picture(width_mm: float, height_mm: float, alternative: str, draw: Callable[[Figure], None]) -> Picture:

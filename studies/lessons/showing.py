@@ -9,6 +9,7 @@ from typing import TypeVar
 import marimo as mo
 
 from studies.lessons.lesson import LESSONS, LessonError
+from studies.markdown_text import unbroken
 
 Answer = TypeVar("Answer")
 
@@ -33,7 +34,7 @@ def _number(label: str, value: str, remark: str) -> str:
     return (
         f'<div style="{NUMBER}"><dt style="font-size:0.85rem">{name}</dt>'
         f'<dd style="font-size:1.45rem;margin:0" data-number="{name}">{shown}</dd>'
-        f'<div style="font-size:0.8rem;color:#5a5a5a">{html.escape(remark)}</div></div>'
+        f'<div style="font-size:0.8rem;color:#5a5a5a">{html.escape(unbroken(remark))}</div></div>'
     )
 
 

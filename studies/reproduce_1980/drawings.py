@@ -89,7 +89,7 @@ def plan_figure(block: Block) -> Figure:
     left, right = figure.subplots(1, 2)
     figures_ground.field_plan(left, block, block_views.footprints(block))
     marks = figures_ground.rays_per_point(right, block.points.coordinates[:, :2], block.rays)
-    figure.colorbar(marks, ax=right, shrink=0.7, label="images in which the point was measured")
+    figures_ground.rays_bar(figure, right, marks, shrink=0.7)
     return figure
 
 

@@ -21,6 +21,14 @@ PLAN = {
 }
 
 
+LOCATED_SAYS = (
+    "Published figures in the simulated distributions",
+    "m0, mu_xy and mu_z of the 18 adjustments: published values as diamonds, mean and 95 % range of the random and of "
+    "the fixed world as dots and bars.",
+)
+"""title and description of the figure, for those who cannot see it"""
+
+
 def located(twin: Twin) -> Figure:
     """The 54 published figures beside mean and 95 % range of the random and of the fixed world."""
     worlds = {"random world": twin.table, "fixed world": twin.table_fixed}

@@ -43,7 +43,7 @@ def _write(found: Findings, folder: Path, command: str) -> list[Path]:
         tables[f"table1{ending}"] = (twin.table, table1.FORMATS)
         tables[f"table1-fixed{ending}"] = (twin.table_fixed, table1.FORMATS)
         with house_style():
-            written += save(drawings.located(twin), folder / f"located{ending}")
+            written += save(drawings.located(twin), folder / f"located{ending}", *drawings.LOCATED_SAYS)
     for name, (table, formats) in tables.items():
         path = folder / f"{name}.csv"
         write_csv(table, path, formats)

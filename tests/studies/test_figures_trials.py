@@ -80,3 +80,10 @@ def test_weak_points_are_drawn_above_strong_ones(axes):
     marks = figures_ground.rays_per_point(axes, np.array([[0.0, 0.0], [1.0, 0.0], [2.0, 0.0]]), np.array([3, 9, 5]))
     assert marks.get_array().tolist() == [9, 5, 3]
     np.testing.assert_allclose(marks.get_offsets()[:, 0], [0.001, 0.002, 0.0])
+
+
+def test_images_are_counted_in_whole_numbers(axes):
+    marks = figures_ground.rays_per_point(axes, np.array([[0.0, 0.0], [1.0, 0.0]]), np.array([3, 5]))
+    ticks = figures_ground.rays_bar(axes.figure, axes, marks).get_ticks()
+    assert len(ticks) > 1
+    np.testing.assert_array_equal(ticks, np.round(ticks))

@@ -31,6 +31,7 @@ def test_a_figure_of_ours_passes_with_its_alternative_text():
     assert '<title>Title &amp; &lt;b&gt;</title><desc id="f3-says">What it shows</desc>' in found.markup
     assert (found.title, found.says) == ("Title & <b>", "What it shows")
     assert found.width_pt == pytest.approx(60 / 25.4 * 72, rel=0.01)
+    assert found.letter_pt == pytest.approx(8.5)  # of the house style
     assert "<path" in found.markup
 
 
