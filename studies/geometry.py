@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 from adjust.chord import Chord
+from adjust.lanes import Arena
 from adjust.replicates import prepared
 from simfield.block import Block, BlockError
 from simfield.simulate import World, build_world
@@ -34,6 +35,8 @@ class Geometry:
 
     world: World
     methods: dict[str, Prepared | str] = field(default_factory=dict)
+    arena: Arena = field(default_factory=Arena)
+    """the memory in which one method after the other adjusts its trials"""
 
     @cached_property
     def noise_free(self) -> Block:
