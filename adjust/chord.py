@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from adjust import kernels
+from adjust import kernels, lane_copies
 from adjust.adjustment import Adjustment
 from adjust.ap_models.model import ApModel
 from adjust.bundle import adjust_block
@@ -113,7 +113,7 @@ class Chord:
                 self._give_coordinates(coordinates, room)
             ahead = self._step_ahead(room) if coordinates is None else np.full(LANES, np.inf)
             converged = self._iterate(room, ahead, vpv, iterations, np.arange(LANES) < count)
-        kernels.untile(room.x, solved.x)
+        lane_copies.untile(room.x, solved.x)
         solved.vpv[:], solved.iterations[:] = vpv[:count], iterations[:count]
         solved.status[:] = STATUSES.index(Status.CONVERGED)
         solved.route[:] = np.where(converged[:count], CHORD, GAUSS_NEWTON)
@@ -130,14 +130,15 @@ class Chord:
                 solved.cofactors[trial] = Cofactors(self.nominal.layout, factor).diagonal
 
     def _give_coordinates(self, coordinates: Floats, room: Workspace) -> None:
-        """The reduced given coordinates (t, n, 3) into room.given, and those held fixed into room.x."""
+        """The reduced given coordinates (t, n, 3) into room.given, and those held fixed into room.x and room.start."""
         layout = self.nominal.layout
-        rows = (coordinates - layout.origin).reshape(len(coordinates), -1)
-        of_lanes = np.concatenate([rows, np.repeat(rows[:1], LANES - len(rows), axis=0)])
-        room.given[:] = of_lanes.reshape(TILES, WIDTH, -1).transpose(0, 2, 1)
-        fixed = layout.block.points.fixed.ravel()
-        for x in (room.x, room.start):
-            x[:, layout.orientation :][:, fixed] = room.given[:, fixed]
+        rows = np.ascontiguousarray(coordinates, dtype=float)
+        lane_copies.give(rows, layout.origin, self.fixed, layout.orientation, room.given, room.start, room.x)
+
+    @cached_property
+    def fixed(self) -> npt.NDArray[np.bool_]:
+        """(3n): point coordinates that are held fixed."""
+        return self.nominal.layout.block.points.fixed.ravel()
 
     @cached_property
     def linearised(self) -> tuple[Any, ...]:

@@ -245,27 +245,6 @@ def advance(change: Any, active: Any, free: Any, s: Any, start: Any, y: Any, x: 
                 store(x, load(start, tile, row) + s[number] * moved, tile, row)
 
 
-@numba.njit(cache=True)
-def transpose(image_points: Any, order: Any, lanes: Any) -> None:
-    """lanes[t // WIDTH, k, :, t % WIDTH] = image_points[t, order[k], :]."""
-    for t in range(image_points.shape[0]):
-        tile = lanes[t // WIDTH]
-        for k in range(order.size):
-            tile[k, 0, t % WIDTH] = image_points[t, order[k], 0]
-            tile[k, 1, t % WIDTH] = image_points[t, order[k], 1]
-
-
-@numba.njit(cache=True)
-def untile(x: Any, trials: Any) -> None:
-    """trials[t] = x[t // WIDTH, :, t % WIDTH]; trials (t, size), x (tiles, size, WIDTH)."""
-    for tile in range((trials.shape[0] + WIDTH - 1) // WIDTH):
-        first = WIDTH * tile
-        count = min(WIDTH, trials.shape[0] - first)
-        for row in range(trials.shape[1]):
-            for t in range(count):
-                trials[first + t, row] = x[tile, row, t]
-
-
 @numba.njit(cache=True, error_model="numpy")
 def first_gradient(
     starts: Any, point: Any, first: Any, set_first: Any, v: Any, xy: Any, jacobian: Any, by_point: Any, lanes: Any,

@@ -26,6 +26,7 @@ from adjust.status import Status
 from adjust.trials import GAUSS_NEWTON, STATUSES, Trials
 from adjust.workspace import Workspace
 from simfield.block import Block, Floats
+from simfield.lanes import Arena
 
 TASK = 16 * LANES
 """trials a task: fixed, so that a trial's neighbours are the same for any number of jobs"""
@@ -162,15 +163,23 @@ def prepared(block: Block, model: ApModel | Mapping[str, ApModel] | None, *, exa
 
 
 def adjust_prepared(
-    chord: Chord, image_points: ImagePointTrials, *, coordinates: Floats | None = None, jobs: int = 1
+    chord: Chord,
+    image_points: ImagePointTrials,
+    *,
+    coordinates: Floats | None = None,
+    jobs: int = 1,
+    arena: Arena | None = None,
 ) -> Replicates:
-    """`adjust_replicates` for a geometry that has been prepared. Raises ValueError where shapes do not fit."""
+    """`adjust_replicates` for a geometry that has been prepared. Raises ValueError where shapes do not fit.
+
+    arena: memory to compute in, for a caller that comes again and again; it is taken anew in every call.
+    """
     count = len(image_points)
     _check_shapes(chord.nominal.block, image_points, coordinates)
     tasks = [slice(first, min(first + TASK, count)) for first in range(0, count, TASK)]
     if jobs == 1 or len(tasks) <= 1:
         trials = Trials.empty(count, len(chord.nominal.x), chord.exact_std)
-        room = _workspace(chord, image_points)
+        room = _workspace(chord, image_points, arena)
         for task in tasks:
             _solve(chord, image_points, coordinates, task, room, trials.part(task))
     else:
@@ -210,8 +219,10 @@ def _solved(chord: Chord, image_points: ImagePointTrials, coordinates: Floats | 
     return trials
 
 
-def _workspace(chord: Chord, image_points: ImagePointTrials) -> Workspace:
-    return Workspace.of(chord.nominal, len(chord.free), image_points)
+def _workspace(chord: Chord, image_points: ImagePointTrials, arena: Arena | None = None) -> Workspace:
+    arena = arena or Arena()
+    arena.take_back()
+    return Workspace.of(chord.nominal, len(chord.free), image_points, arena)
 
 
 def _solve(

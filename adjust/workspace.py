@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from adjust import kernels
+from adjust import kernels, lane_copies
 from adjust.adjustment import Adjustment
 from adjust.kernels import LANES, TILES
 from simfield.block import Floats
@@ -39,15 +39,17 @@ class Workspace:
     sums: tuple[Floats, ...]
 
     @classmethod
-    def of(cls, nominal: Adjustment, free: int, image_points: Any) -> Workspace:
-        """For trials image_points (t, k, 2) of the geometry of `nominal`, in which `free` unknowns are free."""
+    def of(cls, nominal: Adjustment, free: int, image_points: Any, arena: Arena) -> Workspace:
+        """For trials image_points (t, k, 2) of the geometry of `nominal`, in which `free` unknowns are free.
+
+        Every array is written before it is read, so what the arena's memory was used for before does not matter.
+        """
         layout = nominal.layout
         images, size = len(layout.block.images), len(nominal.x)
         widths = [len(s.model.parameters) for s in layout.sets]
-        arena = Arena()
 
         def tiles(*shape: int) -> Floats:
-            return arena.zeros(TILES, *shape, WIDTH)
+            return arena.array(TILES, *shape, WIDTH)
 
         room = cls(
             fill=_lanes_of(image_points, nominal.groups.image_points.order),
@@ -56,9 +58,9 @@ class Workspace:
             start=tiles(size),
             gradient=tiles(size),
             given=tiles(3 * len(layout.block.points)),
-            first=arena.zeros(size, TILES // 2, WIDTH_SINGLE, dtype=np.float32),
-            scaled=arena.zeros(free, LANES, dtype=np.float32),
-            change=arena.zeros(free, LANES, dtype=np.float32),
+            first=arena.array(size, TILES // 2, WIDTH_SINGLE, dtype=np.float32),
+            scaled=arena.array(free, LANES, dtype=np.float32),
+            change=arena.array(free, LANES, dtype=np.float32),
             xy=tiles(len(layout.block.observations), 2),
             turns=tiles(images, 2),
             contexts=tuple(tiles(images, kernels.PARAMETERS + a) for a in widths),
@@ -81,6 +83,6 @@ def _lanes_of(image_points: Any, order: npt.NDArray[np.intp]) -> Callable[[slice
     if hasattr(image_points, "fill_lanes"):
         fill: Callable[[slice, Floats], None] = image_points.only(order).fill_lanes
         return fill
-    return lambda trials, lanes: kernels.transpose(
+    return lambda trials, lanes: lane_copies.transpose(
         np.ascontiguousarray(image_points[trials], dtype=float), order, lanes
     )

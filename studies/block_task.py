@@ -20,6 +20,7 @@ from studies.methods import Method
 from studies.store import NOMINAL, Store
 
 if TYPE_CHECKING:
+    from simfield.lanes import Arena
     from studies.geometry import Prepared
 
 Draw = Callable[[World, Sequence[int]], Floats]
@@ -93,7 +94,7 @@ def compute(task: BlockTask, draw: Draw = image_points) -> tuple[Columns, Column
         for method in task.methods:
             try:
                 prepared = geometry.prepared(method)
-                trials[method.key] = _adjusted(prepared, tiles, given, len(task))
+                trials[method.key] = _adjusted(prepared, tiles, given, len(task), geometry.arena)
                 if task.block == 0:
                     nominal[method.key] = dict(nominal_columns(prepared.chord.nominal, prepared.tracked))
             except ValueError as error:
@@ -152,15 +153,16 @@ def _given(world: World, trials: Sequence[int], task: BlockTask) -> Floats | Non
     return given
 
 
-def _adjusted(prepared: Prepared, tiles: Floats, given: Floats | None, count: int) -> Columns:
+def _adjusted(prepared: Prepared, tiles: Floats, given: Floats | None, count: int, arena: Arena) -> Columns:
     """The columns of a method's trials."""
     from adjust.replicates import adjust_prepared
     from studies.trial_columns import trial_columns
 
     part = prepared.part
-    own = None if given is None else given[:, part.points]
-    replicates = adjust_prepared(prepared.chord, DrawnTrials(tiles, count, part.rays), coordinates=own)
-    of_all = part.block.points.coordinates[None] if own is None else own
+    own = None if given is None else given.take(part.points, axis=1, mode="clip")
+    drawn = DrawnTrials(tiles, count, part.rays)
+    replicates = adjust_prepared(prepared.chord, drawn, coordinates=own, arena=arena)
+    of_all = part.block.points.coordinates[None].copy() if own is None else own  # the compiled loop takes no frozen one
     return dict(trial_columns(replicates, part, prepared.tracked, of_all))
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 import numpy.typing as npt
@@ -57,7 +58,7 @@ class Cell:
         names = tuple(name for name in own if name not in DEVIATIONS)
         table = np.array([fixed[name] for name in names]).reshape(len(names), -1)
         estimand, s, formal = table[:, 0], table[:, 1], table[:, 2 : 2 + len(names)]
-        estimates = np.array([own[name][kept] for name in names]).reshape(len(names), -1).T
+        estimates = np.array([own[name] for name in names]).reshape(len(names), -1).compress(kept, axis=1).T
         sigma0 = own["m0_um"][kept] / constants["unit_weight_um"]
         deviations = {name: own[name][kept] for name in DEVIATIONS}
         return cls(
@@ -89,11 +90,12 @@ def measured(cell: Cell) -> dict[str, Measured]:
             found[name] = form(values[:, None])
     found |= {name: performance.mean(values[:, None]) for name, values in _choice(cell).items()}
     if cell.names and len(cell.error):
+        empirical, model = performance.empirical_se(cell.error), performance.model_se(cell.std)
         tables = {
             "bias": performance.bias(cell.error),
-            "emp_se": performance.empirical_se(cell.error),
-            "model_se": performance.model_se(cell.std),
-            "model_se_error": performance.model_se_error(cell.error, cell.std),
+            "emp_se": empirical,
+            "model_se": model,
+            "model_se_error": performance.model_se_error(model, empirical),
             "rmse": performance.rmse(cell.error),
             "coverage": performance.coverage(cell.inside),
         }
@@ -158,6 +160,7 @@ def _column(table: Measured, number: int) -> Measured:
     return Measured(table.estimate[own], table.mcse[own], table.influence[:, own])
 
 
+@cache
 def unit(measure: str) -> str:
     """The unit of a measure by its name."""
     form, _, name = measure.partition(" ")

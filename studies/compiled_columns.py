@@ -10,12 +10,13 @@ import numpy as np
 
 
 @numba.njit(cache=True, error_model="numpy")
-def point_deviations(x, first, true, given, free, check, t_sigma0, root, out):  # type: ignore[no-untyped-def]
-    """Into out (t, 7): 2-D and height rms at check points against the given coordinates; 2-D and height rms, mean
+def point_deviations(x, first, true, given, origin, free, check, t_sigma0, root, out):  # type: ignore[no-untyped-def]
+    """Into out (7, t): 2-D and height rms at check points against the given coordinates; 2-D and height rms, mean
     height error and the shares of covered plan and height coordinates at free points against the truth.
 
-    x (t, size): estimates, the points from column `first` on, reduced as true (n, 3) and given (1 or t, n, 3) are, m;
-    free, check (n): points that are compared; t_sigma0 (t) times root (n, 3): half the intervals. NaN without points.
+    x (t, size): estimates, the points from column `first` on, reduced by origin (3) as true (n, 3) is and given (1 or
+    t, n, 3) is not, m; free, check (n): points that are compared; t_sigma0 (t) times root (n, 3): half the intervals.
+    NaN without points.
     """
     n = len(true)
     every = len(given) > 1
@@ -26,7 +27,9 @@ def point_deviations(x, first, true, given, free, check, t_sigma0, root, out):  
         for p in range(n):
             at = first + 3 * p
             if check[p]:
-                dx, dy, dz = x[t, at] - given[g, p, 0], x[t, at + 1] - given[g, p, 1], x[t, at + 2] - given[g, p, 2]
+                dx = x[t, at] - (given[g, p, 0] - origin[0])
+                dy = x[t, at + 1] - (given[g, p, 1] - origin[1])
+                dz = x[t, at + 2] - (given[g, p, 2] - origin[2])
                 given_xy += dx * dx + dy * dy
                 given_z += dz * dz
                 checks += 1.0
@@ -39,6 +42,6 @@ def point_deviations(x, first, true, given, free, check, t_sigma0, root, out):  
                 inside_xy += abs(ey) <= t_sigma0[t] * root[p, 1]
                 inside_z += abs(ez) <= t_sigma0[t] * root[p, 2]
                 frees += 1.0
-        out[t, 0], out[t, 1] = np.sqrt(given_xy / checks), np.sqrt(given_z / checks)
-        out[t, 2], out[t, 3] = np.sqrt(true_xy / frees), np.sqrt(true_z / frees)
-        out[t, 4], out[t, 5], out[t, 6] = sum_z / frees, 0.5 * inside_xy / frees, inside_z / frees
+        out[0, t], out[1, t] = np.sqrt(given_xy / checks), np.sqrt(given_z / checks)
+        out[2, t], out[3, t] = np.sqrt(true_xy / frees), np.sqrt(true_z / frees)
+        out[4, t], out[5, t], out[6, t] = sum_z / frees, 0.5 * inside_xy / frees, inside_z / frees

@@ -12,6 +12,7 @@ from functools import cached_property
 from adjust.chord import Chord
 from adjust.replicates import prepared
 from simfield.block import Block, BlockError
+from simfield.lanes import Arena
 from simfield.simulate import World, build_world
 from studies.conditions import Condition
 from studies.methods import Method
@@ -34,6 +35,8 @@ class Geometry:
 
     world: World
     methods: dict[str, Prepared | str] = field(default_factory=dict)
+    arena: Arena = field(default_factory=Arena)
+    """the memory in which one method after the other adjusts its trials"""
 
     @cached_property
     def noise_free(self) -> Block:

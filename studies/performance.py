@@ -40,7 +40,9 @@ def standard_error(influence: Floats) -> Floats:
     n = len(influence)
     if n < 2:
         return np.full(influence.shape[1], np.nan)
-    return np.asarray(influence.std(axis=0, ddof=1) / np.sqrt(n))
+    deviation = influence - np.add.reduce(influence, axis=0) / n  # np.std takes three times as long for one column
+    np.square(deviation, out=deviation)
+    return np.asarray(np.sqrt(np.add.reduce(deviation, axis=0) / (n - 1)) / np.sqrt(n))
 
 
 def _mean(values: Floats) -> Floats:
@@ -63,24 +65,22 @@ def empirical_se(error: Floats) -> Measured:
     n = len(error)
     if n < 2:
         return _nothing(error)
-    deviation = error - error.mean(axis=0)
-    variance = (deviation**2).sum(axis=0) / (n - 1)
+    squares = (error - error.mean(axis=0)) ** 2
+    variance = squares.sum(axis=0) / (n - 1)
     s = np.sqrt(variance)
-    return Measured.of(s, _divided(deviation**2 - variance, 2.0 * s))
+    return Measured.of(s, _divided(squares - variance, 2.0 * s))
 
 
 def model_se(std: Floats) -> Measured:
     """The root of the mean square of the standard errors that the adjustments claim."""
-    square = _mean(std**2)
+    squares = std**2
+    square = _mean(squares)
     root = np.sqrt(square)
-    return Measured.of(root, _divided(std**2 - square, 2.0 * root))
+    return Measured.of(root, _divided(squares - square, 2.0 * root))
 
 
-def model_se_error(error: Floats, std: Floats) -> Measured:
+def model_se_error(model: Measured, empirical: Measured) -> Measured:
     """The relative error of the claimed standard errors: model_se / empirical_se - 1."""
-    if len(error) < 2:
-        return _nothing(error)
-    model, empirical = model_se(std), empirical_se(error)
     ratio = _divided(model.estimate, empirical.estimate)
     shares = _divided(model.influence, model.estimate) - _divided(empirical.influence, empirical.estimate)
     return Measured.of(ratio - 1.0, ratio * shares)
@@ -128,8 +128,11 @@ def difference(of: Measured, against: Measured) -> Measured:
 
 def _divided(numerator: Floats, denominator: Floats) -> Floats:
     with np.errstate(divide="ignore", invalid="ignore"):
-        quotient = numerator / denominator
-    return np.where(np.isfinite(quotient), quotient, np.nan)
+        quotient = np.asarray(numerator / denominator)
+    finite = np.isfinite(quotient)
+    if not finite.all():
+        quotient[~finite] = np.nan
+    return quotient
 
 
 def _nothing(values: Floats) -> Measured:

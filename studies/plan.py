@@ -162,7 +162,7 @@ def joined(store: Store, plan: Plan, condition: Condition, trials: int) -> tuple
     names = dict.fromkeys(name for part in parts for name in part)
     columns = {}
     for name in names:
-        pieces = [part.get(name, np.full(_rows(part), np.nan)) for part in parts]
+        pieces = [part[name] if name in part else np.full(_rows(part), np.nan) for part in parts]
         columns[name] = np.concatenate(pieces)[:trials]
     return columns, store.read_shard(condition.id, NOMINAL, 1 << 16)
 

@@ -22,7 +22,7 @@ MARK = b"sha256 of this file with zeros here: "
 ZEROS = b"0" * 64
 MOST_BYTES = 1 << 30
 MOST_COLUMNS = 100_000
-DTYPES = ("int8", "float64")
+DTYPES = {np.dtype(name): name for name in ("int8", "float64")}
 
 Columns = Mapping[str, npt.NDArray[Any]]
 
@@ -35,26 +35,34 @@ class ForeignError(DamageError):
     """The file is a whole shard, of another study."""
 
 
-def encode(columns: Columns, label: Mapping[str, Any]) -> bytes:
+def encode(columns: Columns, label: Mapping[str, Any]) -> bytearray:
     """The bytes of a shard: columns of int8 or float64, all of one length, and a label of plain values."""
     import pyarrow as pa
     import pyarrow.parquet as pq
 
     header = json.dumps({**label, "format": FORMAT, "sha256": (MARK + ZEROS).decode()}, sort_keys=True)
-    arrays = [_array(pa, values) for values in columns.values()]
+    kinds = {dtype: pa.type_for_alias(name) for dtype, name in DTYPES.items()}
+    arrays = [_array(pa, kinds, values) for values in columns.values()]
     table = pa.Table.from_arrays(arrays, names=list(columns))
     sink = pa.BufferOutputStream()
     plain: dict[str, Any] = {"compression": "none", "use_dictionary": False, "write_statistics": False}
     with pq.ParquetWriter(sink, table.schema, **plain, write_page_checksum=True, store_schema=False) as writer:
         writer.write_table(table, row_group_size=max(1, table.num_rows))
         writer.add_key_value_metadata({KEY: header})
-    return _sealed(bytes(sink.getvalue()))
+    raw = bytearray(sink.getvalue())
+    _seal(raw)
+    return raw
 
 
-def _sealed(raw: bytes) -> bytes:
-    """The file with its SHA-256 in the place of the zeros."""
+def _array(pa: Any, kinds: Mapping[Any, Any], values: npt.NDArray[Any]) -> Any:
+    """An Arrow array over the values themselves; pa.array would import pandas to look whether they are its own."""
+    return pa.Array.from_buffers(kinds[values.dtype], len(values), [None, pa.py_buffer(np.ascontiguousarray(values))])
+
+
+def _seal(raw: bytearray) -> None:
+    """Put the SHA-256 of the file in the place of the zeros."""
     place = raw.rindex(MARK) + len(MARK)
-    return raw[:place] + hashlib.sha256(raw).hexdigest().encode() + raw[place + len(ZEROS) :]
+    raw[place : place + len(ZEROS)] = hashlib.sha256(raw).hexdigest().encode()
 
 
 def _refuse_changed(raw: bytes) -> None:
@@ -63,17 +71,12 @@ def _refuse_changed(raw: bytes) -> None:
     claimed = raw[place : place + len(ZEROS)]
     if place < len(MARK) or len(claimed) < len(ZEROS):
         raise DamageError("the file is cut off, or no shard of simfield")
-    sha = hashlib.sha256(raw[:place])
+    view = memoryview(raw)
+    sha = hashlib.sha256(view[:place])
     sha.update(ZEROS)
-    sha.update(raw[place + len(ZEROS) :])
+    sha.update(view[place + len(ZEROS) :])
     if sha.hexdigest().encode() != claimed:
         raise DamageError("the file does not have the SHA-256 that it claims")
-
-
-def _array(pa: Any, values: npt.NDArray[Any]) -> Any:
-    """An Arrow array over the values themselves; pa.array would import pandas to look whether they are its own."""
-    kind = {"int8": pa.int8(), "float64": pa.float64()}[values.dtype.name]
-    return pa.Array.from_buffers(kind, len(values), [None, pa.py_buffer(np.ascontiguousarray(values))])
 
 
 def decode(raw: bytes, expected: Mapping[str, Any], most_rows: int) -> dict[str, npt.NDArray[Any]]:
@@ -119,8 +122,8 @@ def _header(metadata: Any, most_rows: int) -> dict[str, Any]:
 
 def _values(column: Any) -> npt.NDArray[Any]:
     values = np.asarray(column.to_numpy())
-    if values.dtype.name not in DTYPES or column.null_count:
-        raise DamageError(f"a column holds {values.dtype.name}, allowed are {' and '.join(DTYPES)}")
+    if values.dtype not in DTYPES or column.null_count:
+        raise DamageError(f"a column holds {values.dtype.name}, allowed are {' and '.join(DTYPES.values())}")
     return values
 
 

@@ -140,15 +140,15 @@ def trial_columns(
     q = nominal.cofactors.diagonal[layout.orientation :].reshape(-1, 3)
     t = stdtrit(nominal.redundancy, 0.5 + CONFIDENCE / 2.0)
     x, ok = replicates.trials.x, replicates.ok
-    found = np.empty((len(x), len(DEVIATIONS) - 1))
+    found = np.empty((len(DEVIATIONS) - 1, len(x)))
     point_deviations(
-        *(x, layout.orientation, part.true - layout.origin, given - layout.origin, role != "control", role == "check"),
+        *(x, layout.orientation, part.true - layout.origin, given, layout.origin, role != "control", role == "check"),
         *(t * replicates.sigma0, np.sqrt(q), found),
     )
-    found[:, :5] *= 1000.0
-    found[~ok] = np.nan
+    found[:5] *= 1000.0
+    found[:, ~ok] = np.nan
     columns: dict[str, npt.NDArray[np.generic]] = {"status": status_codes(replicates), "m0_um": replicates.m0_um}
-    columns.update(zip(DEVIATIONS[1:], np.ascontiguousarray(found.T), strict=True))
+    columns.update(zip(DEVIATIONS[1:], found, strict=True))
     columns.update(zip(tracked.names, np.ascontiguousarray(x[:, tracked.at].T), strict=True))
     return columns
 

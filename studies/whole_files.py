@@ -8,7 +8,7 @@ from pathlib import Path
 TEMPORARY = ".unfinished"
 
 
-def write_whole(path: Path, content: bytes) -> None:
+def write_whole(path: Path, content: bytes | bytearray) -> None:
     """Write a file; after a crash at any instant there is the old one, the new one or none. Raises OSError."""
     temporary = path.with_name(f"{path.name}.{os.getpid()}{TEMPORARY}")
     try:
@@ -51,7 +51,7 @@ def remove_unfinished(folder: Path) -> int:
     return len(left)
 
 
-def _write_all(handle: int, content: bytes) -> None:
+def _write_all(handle: int, content: bytes | bytearray) -> None:
     rest = memoryview(content)
     while rest:
         rest = rest[os.write(handle, rest) :]

@@ -9,9 +9,10 @@ import numpy as np
 import pytest
 
 from adjust import ApModel, Status, adjust_block, ap_models
-from adjust.replicates import Replicates, adjust_replicates
+from adjust.replicates import Replicates, adjust_prepared, adjust_replicates, prepared
 from simfield import build_world, presets
 from simfield.block import Block, Floats, Points
+from simfield.lanes import Arena
 from tests import synthetic
 
 SAME_MINIMUM = 1e-8
@@ -221,3 +222,20 @@ class TestCalls:
         r = adjust_replicates(ww_world.block, None, noisy(ww_world.block, 1))
         with pytest.raises(KeyError, match="no additional parameters"):
             r.ap("no such camera")
+
+
+@pytest.mark.parametrize("redrawn", [False, True])
+def test_memory_that_others_have_used_changes_no_bit(two_camera_world: synthetic.World, redrawn: bool) -> None:
+    """An arena is taken again and again; here it holds what no result survives."""
+    block = weighted(two_camera_world.block, 0.03)
+    points, chord = noisy(block, 40), prepared(block, ap_models.get("optical"))
+    given = np.repeat(block.points.coordinates[None], 40, axis=0) if redrawn else None
+    clean = adjust_prepared(chord, points, coordinates=given)
+    arena = Arena()
+    arena.array(1 << 21)[:] = np.nan
+    used = adjust_prepared(chord, points, coordinates=given, arena=arena)
+    again = adjust_prepared(chord, points, coordinates=given, arena=arena)
+    assert clean.ok.all()
+    for other in (used, again):
+        np.testing.assert_array_equal(other.trials.x, clean.trials.x)
+        np.testing.assert_array_equal(other.trials.vpv, clean.trials.vpv)

@@ -141,9 +141,17 @@ def test_the_kernel_runs_without_the_compiler():
 
 def test_an_arena_begins_its_arrays_with_cache_lines():
     arena = Arena()
-    for shape in ((3, 5), (7,), (2, 9, 8), (3000, 1000), (2,)):
-        array = arena.zeros(*shape)
+    arrays = [arena.array(*shape) for shape in ((3, 5), (7,), (2, 9, 8), (3000, 1000), (2,))]
+    for number, array in enumerate(arrays):
         assert array.ctypes.data % lanes.CACHE_LINE == 0
-        assert array.shape == shape
-        assert not array.any()
-    assert arena.zeros(4, dtype=np.float32).dtype == np.float32
+        array[:] = number
+    assert [array.shape for array in arrays] == [(3, 5), (7,), (2, 9, 8), (3000, 1000), (2,)]
+    assert all((array == number).all() for number, array in enumerate(arrays))  # nobody has another's memory
+    assert arena.array(4, dtype=np.float32).dtype == np.float32
+
+
+def test_what_an_arena_takes_back_it_gives_again():
+    arena = Arena()
+    first = arena.array(3, 5)
+    arena.take_back()
+    assert np.shares_memory(arena.array(3, 5), first)

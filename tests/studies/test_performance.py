@@ -23,11 +23,15 @@ def study_of(random: np.random.Generator, n: int = N) -> dict[str, np.ndarray]:
     return {"error": first, "other": second, "std": std, "inside": (np.abs(first) <= 1.96 * std).astype(float)}
 
 
+def relative_error(error: np.ndarray, std: np.ndarray) -> Measured:
+    return performance.model_se_error(performance.model_se(std), performance.empirical_se(error))
+
+
 MEASURES: dict[str, Callable[[dict[str, np.ndarray]], Measured]] = {
     "bias": lambda s: performance.bias(s["error"]),
     "empirical_se": lambda s: performance.empirical_se(s["error"]),
     "model_se": lambda s: performance.model_se(s["std"]),
-    "model_se_error": lambda s: performance.model_se_error(s["error"], s["std"]),
+    "model_se_error": lambda s: relative_error(s["error"], s["std"]),
     "rmse": lambda s: performance.rmse(s["error"]),
     "coverage": lambda s: performance.coverage(s["inside"]),
     "correlation": lambda s: performance.correlation(s["error"], s["other"]),
@@ -117,7 +121,7 @@ def test_no_trial_and_one_trial_give_no_false_certainty(n: int) -> None:
     nothing = np.ones((n, 2))
     for form in (performance.bias, performance.empirical_se, performance.rmse, performance.model_se, performance.mean):
         assert np.isnan(form(nothing).mcse).all()
-    assert np.isnan(performance.model_se_error(nothing, nothing).estimate).all()
+    assert np.isnan(relative_error(nothing, nothing).estimate).all()
     assert np.isnan(performance.correlation(nothing, nothing).estimate).all()
     assert np.isnan(performance.bias(nothing).estimate).all() == (n == 0)
 
@@ -143,7 +147,7 @@ def test_wrong_standard_errors_and_a_bias_are_exposed() -> None:
     assert abs(right.estimate[0] - 0.95) < 4 * right.mcse[0]
     wrong = performance.coverage(inside(error, low))
     assert wrong.estimate[0] < 0.95 - 4 * wrong.mcse[0]
-    ratio = performance.model_se_error(error, low)
+    ratio = relative_error(error, low)
     assert abs(ratio.estimate[0] + 0.2) < 4 * ratio.mcse[0] < 0.15
     moved = performance.bias(error + 1.0)
     assert moved.estimate[0] > 4 * moved.mcse[0]
