@@ -1,7 +1,7 @@
 """A study on a dask cluster of two workers beside two processes of joblib: `python -m benchmarks.cluster`.
 
-Scheduler and workers are processes of their own, as docs/studies.md starts them. Both sides are warm: pools started,
-code imported and compiled, by a first round that is forgotten. Repetitions interleave.
+Scheduler and workers are processes of their own, as docs/howto/cluster.md starts them. Both sides are warm: pools
+started, code imported and compiled, by a first round that is forgotten. Repetitions interleave.
 """
 
 from __future__ import annotations

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import contextlib
+import ctypes
 import os
 import signal
 import threading
@@ -9,6 +11,9 @@ import time
 from functools import cache
 
 LOOKS_EVERY_S = 0.2
+TRIM_THRESHOLD, MMAP_THRESHOLD = -1, -3
+KEPT_BYTES = 32 << 20
+"""the largest that glibc takes"""
 MAIN = int(os.environ.get("SIMFIELD_MAIN", "0"))
 
 
@@ -26,10 +31,23 @@ def prepare() -> None:
     The parent is the one that the environment names, not the one found here: it may have died while this process
     started, and nobody else would end a worker that waits for work.
     """
+    if "MALLOC_TRIM_THRESHOLD_" in os.environ:
+        _keep_memory()
     if not MAIN or os.getpid() == MAIN or threading.current_thread() is not threading.main_thread():
         return  # no process of ours: the caller itself, or a worker of a cluster
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     threading.Thread(target=_watch, daemon=True).start()
+
+
+def _keep_memory() -> None:
+    """Keep freed memory for the next block of trials, which needs the same again.
+
+    dask has its workers give memory back at once, by that variable; getting it again took a tenth of the time.
+    """
+    with contextlib.suppress(OSError, AttributeError):  # no glibc
+        mallopt = ctypes.CDLL("libc.so.6").mallopt
+        mallopt(MMAP_THRESHOLD, KEPT_BYTES)
+        mallopt(TRIM_THRESHOLD, 4 * KEPT_BYTES)
 
 
 def _watch() -> None:
