@@ -95,6 +95,7 @@ class Work(NamedTuple):
     normal: Floats
     gradient: Floats
     row: Floats
+    power: Floats
     right: Floats
     moment: Floats
 
@@ -106,7 +107,8 @@ class Work(NamedTuple):
             arena.zeros(tiles, MOST_TERMS, 2, WIDTH),
             arena.zeros(MOST_TERMS, MOST_TERMS, WIDTH),
             arena.zeros(MOST_LINEAR, 2, WIDTH),
-            arena.zeros(max(MOST_POWERS, MOST_LINEAR), WIDTH),
+            arena.zeros(MOST_LINEAR, WIDTH),
+            arena.zeros(MOST_POWERS, 2, WIDTH),
             arena.zeros(2, WIDTH),
             arena.zeros(MOST_POWERS, MOST_POWERS, WIDTH),
         )

@@ -69,28 +69,31 @@ def fit_reseau(degree, cross, places, marks, work, shift):  # type: ignore[no-un
     x^b y^a, of which many products of two terms share one.
     """
     align_stack()
-    power, moment, one = work.row, work.moment, same(1.0)
+    power, moment, one, count = work.power, work.moment, same(1.0), len(cross)
     moment[: 2 * degree + 1, : 2 * degree + 1] = 0.0
     shift[: (degree + 1) * (degree + 2) // 2] = 0.0
-    store(power, one, 0)
-    for s in cross:
-        x, y = load(marks, s, 0), load(marks, s, 1)
-        dx, dy = places[s, 0] - x, places[s, 1] - y
-        x, y = x * (1.0 / UNIT_MM), y * (1.0 / UNIT_MM)
-        raised = one
-        for b in range(1, 2 * degree + 1):
-            raised = raised * x
-            store(power, raised, b)
-        raised, term = one, 0
+    # two crosses at a time, for sums are written to memory each time; of an odd number the last comes with a zero
+    for c in range(0, count, 2):
+        s, z = cross[c], cross[min(c + 1, count - 1)]
+        x, y, u, v = load(marks, s, 0), load(marks, s, 1), load(marks, z, 0), load(marks, z, 1)
+        dx, dy, du, dv = places[s, 0] - x, places[s, 1] - y, places[z, 0] - u, places[z, 1] - v
+        x, y, u, v = x * (1.0 / UNIT_MM), y * (1.0 / UNIT_MM), u * (1.0 / UNIT_MM), v * (1.0 / UNIT_MM)
+        raised, other = one, one
+        for b in range(2 * degree + 1):
+            store(power, raised, b, 0)
+            store(power, other, b, 1)
+            raised, other = raised * x, other * u
+        raised, other, term = one, same(1.0 if c + 1 < count else 0.0), 0
         for a in range(2 * degree + 1):
             for b in range(2 * degree + 1 - a):
-                store(moment, load(moment, a, b) + raised * load(power, b), a, b)
+                both = raised * load(power, b, 0) + other * load(power, b, 1)
+                store(moment, load(moment, a, b) + both, a, b)
             for b in range(degree + 1 - a):
-                own = raised * load(power, b)
-                store(shift, load(shift, term, 0) + own * dx, term, 0)
-                store(shift, load(shift, term, 1) + own * dy, term, 1)
+                own, its = raised * load(power, b, 0), other * load(power, b, 1)
+                store(shift, load(shift, term, 0) + (own * dx + its * du), term, 0)
+                store(shift, load(shift, term, 1) + (own * dy + its * dv), term, 1)
                 term += 1
-            raised = raised * y
+            raised, other = raised * y, other * v
     i = 0
     for a in range(degree + 1):
         for b in range(degree + 1 - a):
