@@ -36,12 +36,13 @@ test-slow: $(INSTALLED) ## run the long tests, as CI does
 	$(BIN)/python -m pytest -n $(JOBS) -m slow $(PYTEST_ARGS)
 
 # Every dependency in the lowest version that pyproject.toml allows, in an environment of its own. Beside the newest of
-# what they need in turn, old versions use what is deprecated there; that is no error of ours.
+# what they need in turn, old versions use what is deprecated there; that is no error of ours, nor is matplotlib's use of
+# names that pyparsing 3.3 deprecates.
 LOWEST := .venv-lowest
 $(LOWEST)/.installed: pyproject.toml
 	$(PYTHON) -m venv $(LOWEST)
 	$(PYTHON) -c 'import tomllib; p = tomllib.load(open("pyproject.toml", "rb"))["project"]; \
-	  print(*(d.replace(">=", "==") for d in p["dependencies"] + p["optional-dependencies"]["cluster"]), sep="\n")' \
+	  print(*(d.replace(">=", "==") for d in p["dependencies"] + p["optional-dependencies"]["cluster"]), "pyparsing<3.3", sep="\n")' \
 	  > $(LOWEST)/constraints.txt
 	$(LOWEST)/bin/python -m pip install --quiet --disable-pip-version-check --editable '.[test,cluster]' \
 	  --constraint $(LOWEST)/constraints.txt
