@@ -178,7 +178,7 @@ def test_a_storm_of_moves_is_answered_and_ends(page, server):
         slider.press("ArrowRight" if number % 40 < 20 else "ArrowLeft")
     slider.press("Home")
     start = time.perf_counter()
-    page.wait_for_function("() => document.body.innerText.includes('you planted 0 µm')")
+    page.wait_for_function("() => document.body.innerText.replaceAll('\u00a0', ' ').includes('you planted 0 µm')")
     # moves that wait are taken together, so the last one does not stand behind 200
     assert time.perf_counter() - start < 2.0 * ANSWER_SECONDS
 
