@@ -197,6 +197,20 @@ def test_symbolic_links_out_of_the_store_are_refused(tmp_path: Path, name: str) 
     assert list(outside.iterdir()) == []
 
 
+def test_a_link_in_the_place_of_a_shard_is_named_and_replaced(store: Path, copy: Path, tmp_path: Path) -> None:
+    path = copy / "trials" / Plan.of(study()).conditions[0].id / "1.parquet"
+    outside = tmp_path / "outside.parquet"
+    path.rename(outside)
+    path.symlink_to(outside)
+    whole = outside.read_bytes()
+    (defect,) = verify(copy, lambda line: None)
+    assert "a link" in defect
+    run_here(copy)
+    assert not path.is_symlink()
+    assert outside.read_bytes() == whole
+    assert contents(copy) == contents(store)
+
+
 def test_a_damaged_manifest_is_named(copy: Path) -> None:
     (copy / "manifest.json").write_text("{", encoding="utf-8")
     with pytest.raises(StoreError, match=r"manifest.json: damaged"):
