@@ -20,7 +20,7 @@ Work = Callable[[BlockTask], Done]
 """computes a block and writes its shard"""
 
 LOST_SCHEDULER_S = 20.0
-LOOK_EVERY_S = 0.02
+LOOK_EVERY_S = 0.1
 
 
 class BackendError(RuntimeError):

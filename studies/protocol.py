@@ -21,8 +21,7 @@ from adjust.reliability import POWER, Reliability, familywise, noncentrality, ta
 from adjust.significance import ApSignificance, ap_significance, global_test
 from adjust.unknowns import POINT_NAMES
 from adjust.variance import groups_by_camera, variance_components
-from simfield.block import Floats
-from studies import adjustment_page, protocol_further
+from studies import adjustment_page, protocol_further, protocol_residuals
 from studies.advice import advice
 
 Record = dict[str, Any]
@@ -30,7 +29,6 @@ LEVEL = 0.05
 """of the global test and of the search for gross errors as a whole"""
 ALPHA = 0.001
 """of the test of one observation, and of the minimal detectable bias"""
-RINGS = 8
 ACCUSED_MOST = 50
 
 
@@ -72,8 +70,8 @@ def record(a: Adjustment, findings: Findings | None = None) -> Record:
         "control": control(findings),
         "further": protocol_further.observations(a, findings.reliability),
         "biases": protocol_further.biases(a),
-        "residuals_by_image": residuals_by_image(a),
-        "residuals_by_radius": residuals_by_radius(a),
+        "residuals_by_image": protocol_residuals.by_image(a),
+        "residuals_by_radius": protocol_residuals.by_radius(a),
     }
     found["advice"] = advice(found)
     return found
@@ -202,53 +200,8 @@ def control(findings: Findings) -> list[Record]:
     ]
 
 
-def residuals_by_image(a: Adjustment) -> list[Record]:
-    """Number, mean and rms of the residuals of every image, um."""
-    found = []
-    for i, name in enumerate(a.block.images.ids):
-        v = 1000.0 * a.residuals[a.block.observations.image == i]
-        if len(v):
-            found.append({"image": name, "n": len(v), **_moments(v, ("x", "y"))})
-    return found
-
-
-def residuals_by_radius(a: Adjustment) -> list[Record]:
-    """Of every camera and ring about its principal point: number, mean and rms of radial and tangential residuals,
-    um.
-    """
-    b, found = a.block, []
-    camera = b.images.camera[b.observations.image]
-    for i, c in enumerate(b.cameras):
-        mine = camera == i
-        if not mine.any():
-            continue
-        reduced = b.observations.xy[mine] - [c.x0_mm, c.y0_mm]
-        radius = np.hypot(*reduced.T)
-        direction = reduced / np.where(radius > 0.0, radius, 1.0)[:, None]
-        across = np.column_stack([-direction[:, 1], direction[:, 0]])
-        v = 1000.0 * a.residuals[mine]
-        turned = np.column_stack([np.sum(v * direction, axis=1), np.sum(v * across, axis=1)])
-        bounds = np.linspace(0.0, radius.max() * (1.0 + 1e-12), RINGS + 1)
-        ring = np.digitize(radius, bounds) - 1
-        for j in range(RINGS):
-            if (ring == j).any():
-                limits = {"camera": c.camera_id, "from_mm": float(bounds[j]), "to_mm": float(bounds[j + 1])}
-                found.append(
-                    {**limits, "n": int(np.sum(ring == j)), **_moments(turned[ring == j], ("radial", "tangential"))}
-                )
-    return found
-
-
 def number(value: float) -> float | None:
     return value if math.isfinite(value) else None
-
-
-def _moments(v: Floats, names: tuple[str, str]) -> Record:
-    mean, rms = v.mean(axis=0), np.sqrt(np.mean(v**2, axis=0))
-    return {
-        **{f"mean_{name}_um": float(m) for name, m in zip(names, mean, strict=True)},
-        **{f"rms_{name}_um": float(m) for name, m in zip(names, rms, strict=True)},
-    }
 
 
 def _global_test(a: Adjustment) -> Record:

@@ -11,7 +11,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from adjust import adjust_replicates, ap_models
-from adjust.reductions.compiled import KINDS
+from adjust.reductions.compiled_inner import KINDS
 from simfield import build_world, presets
 from simfield.chain import Chain, Comparator, Errors, Lens, Marks, RandomField, chains, prepare
 from simfield.chain.air import Air

@@ -48,6 +48,31 @@ def command(study_file: Path, out: Path, **environment: str) -> subprocess.Compl
     )  # fmt: skip
 
 
+def test_a_worker_that_is_told_to_give_memory_back_keeps_it() -> None:
+    """dask tells its workers so; faults are counted while the same memory is taken and left again and again."""
+    code = """if True:
+        import resource, sys
+        import numpy as np
+        from studies.worker import prepare
+        if sys.argv[1] == "prepared":
+            prepare()
+        faults = lambda: resource.getrusage(resource.RUSAGE_SELF).ru_minflt
+        np.ones(1 << 20)
+        before = faults()
+        for _ in range(20):
+            np.ones(1 << 20)
+        print(faults() - before)
+    """
+    told = {**os.environ, "MALLOC_TRIM_THRESHOLD_": "65536"}
+    as_told, prepared = (
+        int(subprocess.check_output([sys.executable, "-c", code, how], cwd=TOP, env=told, encoding="utf-8"))
+        for how in ("as told", "prepared")
+    )
+    if as_told < 20:
+        pytest.skip("this system's C library does not give memory back when it is told")
+    assert prepared < as_told / 10
+
+
 def test_four_jobs_for_six_blocks(tmp_path: Path, undisturbed: Path) -> None:
     run_here(tmp_path, backend="joblib", jobs=4)
     assert contents(tmp_path) == contents(undisturbed)

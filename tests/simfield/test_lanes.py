@@ -76,6 +76,18 @@ def test_functions_of_two(name):
     np.testing.assert_allclose(out, TWO[name](a, b), rtol=FUSED, atol=FUSED)
 
 
+@pytest.mark.parametrize("odd", [1.0, 2.5, np.inf, np.nan])
+def test_any_above_sees_every_lane(odd):
+    @numba.njit
+    def compiled(a, b):
+        return lanes.any_above(load(a, 0), b)
+
+    for lane in range(WIDTH):
+        a = np.zeros((1, WIDTH))
+        a[0, lane] = odd
+        assert compiled(a, 2.0) == lanes.any_above(a[0], 2.0) == (odd != 1.0)
+
+
 def test_single_precision_there_and_back():
     @numba.njit
     def compiled(a, single, out):
@@ -153,5 +165,8 @@ def test_an_arena_begins_its_arrays_with_cache_lines():
 def test_what_an_arena_takes_back_it_gives_again():
     arena = Arena()
     first = arena.array(3, 5)
+    first[:] = np.nan
     arena.take_back()
-    assert np.shares_memory(arena.array(3, 5), first)
+    again = arena.zeros(3, 5)
+    assert np.shares_memory(again, first)
+    assert not again.any()

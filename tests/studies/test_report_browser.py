@@ -1,16 +1,12 @@
 """The shipped reports in a real browser: on a phone nothing is wider than the page, and no letter is too small."""
 
-import shutil
 from pathlib import Path
 
 import pytest
 
-sync_api = pytest.importorskip("playwright.sync_api", reason="the browser tests need playwright")
-CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
-pytestmark = [
-    pytest.mark.slow,
-    pytest.mark.skipif(CHROMIUM is None, reason="no chromium here; Debian: apt-get install chromium"),
-]
+from tests.chromium import ARGUMENTS, CHROMIUM, IN_A_BROWSER, sync_api
+
+pytestmark = IN_A_BROWSER
 REPORTS = sorted((Path(__file__).parents[2] / "results").glob("*/report.html"))
 LEAST_PX = 9.0
 LETTERS = """() => [...document.querySelectorAll('svg')].flatMap(svg => {
@@ -25,7 +21,7 @@ LETTERS = """() => [...document.querySelectorAll('svg')].flatMap(svg => {
 @pytest.fixture(scope="module")
 def browser():
     with sync_api.sync_playwright() as playwright:
-        started = playwright.chromium.launch(executable_path=CHROMIUM, args=["--headless", "--no-sandbox"])
+        started = playwright.chromium.launch(executable_path=CHROMIUM, args=list(ARGUMENTS))
         yield started
         started.close()
 

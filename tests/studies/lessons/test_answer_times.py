@@ -10,12 +10,10 @@ from urllib.parse import urlsplit
 import pytest
 
 from studies.lessons.lesson import LESSONS
-from tests.studies.lessons.test_browser import ARGUMENTS, CHROMIUM, PATIENCE_MS, sync_api, teaching
+from tests.chromium import ARGUMENTS, CHROMIUM, IN_A_BROWSER, sync_api
+from tests.studies.lessons.test_browser import PATIENCE_MS, teaching
 
-pytestmark = [
-    pytest.mark.slow,
-    pytest.mark.skipif(CHROMIUM is None, reason="no chromium here; Debian: apt-get install chromium"),
-]
+pytestmark = IN_A_BROWSER
 
 MEDIAN_SECONDS, LONGEST_SECONDS = 1.0, 3.0
 """what is promised on two cores; and a bound for single moves while somebody else works on them"""

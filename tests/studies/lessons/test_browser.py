@@ -6,7 +6,6 @@ SIMFIELD_SCREENSHOTS names a folder for the pictures that somebody should look a
 import contextlib
 import http.client
 import os
-import shutil
 import signal
 import statistics
 import subprocess
@@ -20,21 +19,11 @@ import pytest
 
 from studies.lessons.lesson import LESSONS
 from studies.lessons.server import SESSION_SECONDS
+from tests.chromium import ARGUMENTS, CHROMIUM, IN_A_BROWSER, sync_api
 
-sync_api = pytest.importorskip("playwright.sync_api", reason="the browser tests need playwright")
 pytest.importorskip("marimo", reason="the lessons need the extra `teach`")
 
-
-CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
-pytestmark = [
-    pytest.mark.slow,
-    pytest.mark.skipif(CHROMIUM is None, reason="no chromium here; Debian: apt-get install chromium"),
-]
-
-ARGUMENTS = (
-    *("--headless", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run"),
-    *("--disable-background-networking", "--disable-component-update", "--disable-sync"),
-)
+pytestmark = IN_A_BROWSER
 PATIENCE_MS = 60_000
 ANSWER_SECONDS = 3.0
 """median of the moves, a bound for a loaded machine; 0.3 s is usual"""
