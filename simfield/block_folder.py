@@ -12,7 +12,6 @@ import csv
 import io
 import os
 import re
-import secrets
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -35,18 +34,12 @@ from simfield.block import (
 )
 from simfield.csv_table import BlockFolderError, CsvTable, number_columns, read_table, shown
 from simfield.degrees import degrees_text
+from simfield.folder_columns import ALL_FILES, BLOCK, FURTHER, INTERIOR
+from simfield.whole_files import settle, write_set
 
-__all__ = ["COLUMNS", "BlockFolderError", "read_block", "write_block"]
+__all__ = ["BlockFolderError", "read_block", "write_block"]
 
 POSITIONS, ANGLES = EXTERIOR[:3], EXTERIOR[3:]
-INTERIOR = ("c_mm", "x0_mm", "y0_mm", "width_mm", "height_mm")
-COLUMNS: dict[str, tuple[str, ...]] = {
-    "cameras": ("camera_id", *INTERIOR),
-    "images": ("image_id", "camera_id", *EXTERIOR),
-    "points": ("point_id", "role", *COORDINATES, *SIGMAS),
-    "observations": ("image_id", "point_id", "x_mm", "y_mm", "sigma_x_mm", "sigma_y_mm"),
-}
-"""the header of every file, by the table's name in a BlockError; the file is the name with .csv"""
 UNWRITABLE = re.compile("[\0\r\ud800-\udfff]")
 LONGEST_ID = 100_000
 """characters; a CSV reader gives up at 131072"""
@@ -62,13 +55,15 @@ def read_block(path: str | os.PathLike[str]) -> Block:
         raise BlockFolderError(folder, "is not a folder, needed is a folder with cameras.csv, images.csv, ...")
     if not folder.exists():
         raise BlockFolderError(folder, "does not exist, needed is a folder with cameras.csv, images.csv, ...")
-    tables = {name: read_table(folder / f"{name}.csv", columns) for name, columns in COLUMNS.items()}
+    with one_line(folder):
+        settle(folder)
+    tables = {name: read_table(folder / f"{name}.csv", columns) for name, columns in BLOCK.items()}
     optional = further_files.read_tables(folder)
     try:
         return Block(
-            _cameras(tables["cameras"]),
-            _images(tables["images"], tables["cameras"]),
-            _points(tables["points"]),
+            camera_records(tables["cameras"]),
+            image_table(tables["images"], tables["cameras"]),
+            point_table(tables["points"]),
             _observations(tables["observations"], tables["images"], tables["points"]),
             further_files.further(folder, optional, tables),
         )
@@ -77,39 +72,35 @@ def read_block(path: str | os.PathLike[str]) -> Block:
 
 
 def write_block(block: Block, path: str | os.PathLike[str]) -> None:
-    """Write a block into a folder, which is made if need be; of an existing folder only the block's files are replaced.
+    """Write a block into a folder, which is made if need be.
 
-    Each file is written under a temporary name, flushed to the disk and then renamed: none is ever seen half written.
-    Raises BlockFolderError if the folder cannot be written, if an id cannot stand in a text file, and where a file of
-    further observations stands that this block does not have: it would be read with the block.
+    The files of a block take the places of what the folder held of another block, of a measured file or of a truth, all
+    or none; what this block does not have does not survive. Other files stay. Raises BlockFolderError if the folder
+    cannot be written, and if an id cannot stand in a text file.
     """
     folder = Path(path)
+    contents = block_files(block, folder)
+    with one_line(folder):
+        write_set(folder, contents, ALL_FILES)
+
+
+def block_files(block: Block, folder: Path) -> dict[str, bytes]:
+    """The files of a block by their names. Raises BlockFolderError for an id that would not come back from its file."""
     _check_ids(folder, block)
-    texts = {name: _csv_text(COLUMNS[name], columns) for name, columns in _columns(block).items()}
-    further_columns = further_files.columns(block)
-    further_files.refuse_strangers(folder, further_columns)
-    texts |= {name: _csv_text(further_files.COLUMNS[name], columns) for name, columns in further_columns.items()}
-    unique = secrets.token_hex(4)
-    temporary = {folder / f"{name}.csv": folder / f".{name}.csv.{unique}.tmp" for name in texts}
-    with _one_line(folder):
-        folder.mkdir(parents=True, exist_ok=True)
-        try:
-            for file, text in zip(temporary.values(), texts.values(), strict=True):
-                _write(file, text)
-            for file, written in temporary.items():
-                written.replace(file)
-        finally:
-            for file in temporary.values():
-                file.unlink(missing_ok=True)
+    tables = {name: (BLOCK[name], columns) for name, columns in block_columns(block).items()}
+    tables |= {name: (FURTHER[name], columns) for name, columns in further_files.columns(block).items()}
+    return {f"{name}.csv": csv_text(header, columns).encode() for name, (header, columns) in tables.items()}
 
 
-def _cameras(table: CsvTable) -> tuple[Camera, ...]:
+def camera_records(table: CsvTable) -> tuple[Camera, ...]:
+    """The cameras of cameras.csv. Raises BlockFolderError."""
     table.index("camera_id")
     values = np.stack([table.numbers(name) for name in INTERIOR], axis=1).tolist()
     return tuple(Camera(name, *row) for name, row in zip(table.columns["camera_id"], values, strict=True))
 
 
-def _images(table: CsvTable, cameras: CsvTable) -> Images:
+def image_table(table: CsvTable, cameras: CsvTable) -> Images:
+    """The images of images.csv. Raises BlockFolderError."""
     table.index("image_id")
     positions = [table.numbers(name, may_be_empty=True) for name in POSITIONS]
     return Images(
@@ -119,7 +110,8 @@ def _images(table: CsvTable, cameras: CsvTable) -> Images:
     )
 
 
-def _points(table: CsvTable) -> Points:
+def point_table(table: CsvTable) -> Points:
+    """The points of points.csv. Raises BlockFolderError."""
     table.index("point_id")
     roles = table.columns["role"]
     for row, role in enumerate(roles):
@@ -134,7 +126,7 @@ def _points(table: CsvTable) -> Points:
 
 
 def _observations(table: CsvTable, images: CsvTable, points: CsvTable) -> ImageObservations:
-    x, y, sigma_x, sigma_y = (table.numbers(name) for name in COLUMNS["observations"][2:])
+    x, y, sigma_x, sigma_y = (table.numbers(name) for name in BLOCK["observations"][2:])
     return ImageObservations(
         table.rows_of("image_id", images),
         table.rows_of("point_id", points),
@@ -143,7 +135,7 @@ def _observations(table: CsvTable, images: CsvTable, points: CsvTable) -> ImageO
     )
 
 
-def _columns(block: Block) -> dict[str, list[Iterable[Any]]]:
+def block_columns(block: Block) -> dict[str, list[Iterable[Any]]]:
     """The columns of every file, in the order of its header."""
     images, points, observations = block.images, block.points, block.observations
     camera_ids = block.camera_ids
@@ -164,7 +156,8 @@ def _columns(block: Block) -> dict[str, list[Iterable[Any]]]:
     }
 
 
-def _csv_text(header: Sequence[str], columns: Iterable[Iterable[Any]]) -> str:
+def csv_text(header: Sequence[str], columns: Iterable[Iterable[Any]]) -> str:
+    """A table as the text of a CSV file."""
     file = io.StringIO(newline="")
     writer = csv.writer(file, lineterminator="\n")
     writer.writerow(header)
@@ -188,15 +181,9 @@ def _check_ids(folder: Path, block: Block) -> None:
                 raise BlockFolderError(folder / f"{table}.csv", reason, row + 2, column)
 
 
-def _write(file: Path, text: str) -> None:
-    with file.open("xb") as stream:  # x: never through a link that stands there
-        stream.write(text.encode())
-        stream.flush()
-        os.fsync(stream.fileno())
-
-
 @contextmanager
-def _one_line(folder: Path) -> Iterator[None]:
+def one_line(folder: Path) -> Iterator[None]:
+    """An OSError as a BlockFolderError of one line."""
     try:
         yield
     except OSError as error:

@@ -24,7 +24,7 @@ ZERO = np.uint64(0)
 
 
 @numba.njit(cache=True, error_model="numpy", inline="always")
-def _philox(c0, c1, c2, c3, k0, k1):  # type: ignore[no-untyped-def]
+def philox(c0, c1, c2, c3, k0, k1):  # type: ignore[no-untyped-def]
     for _ in range(10):
         p0, p1 = c0 * M0, c2 * M1
         c0, c1, c2, c3 = (p1 >> HALF) ^ c1 ^ k0, p1 & WORD, (p0 >> HALF) ^ c3 ^ k1, p0 & WORD
@@ -70,7 +70,7 @@ def draw(first, second, start, k0, k1, drawn):  # type: ignore[no-untyped-def]
     """
     n, low = drawn.size // 4, np.uint64(start) >> np.uint64(1)
     for c in range(n):
-        w0, w1, w2, w3 = _philox(first, second, low + np.uint64(c), ZERO, k0, k1)
+        w0, w1, w2, w3 = philox(first, second, low + np.uint64(c), ZERO, k0, k1)
         drawn[c], drawn[n + c] = _box_muller(w0, w1)
         drawn[2 * n + c], drawn[3 * n + c] = _box_muller(w2, w3)
 
@@ -96,7 +96,7 @@ def fill(out, base, sigma, first, second, start, k0, k1):  # type: ignore[no-unt
         bx, by, sx, sy = base[r, 0], base[r, 1], sigma[r, 0], sigma[r, 1]
         c0, c1 = first[r], second[r]
         for t in range(counters):
-            w0, w1, w2, w3 = _philox(c0, c1, low + np.uint64(t), np.uint64(0), k0, k1)
+            w0, w1, w2, w3 = philox(c0, c1, low + np.uint64(t), np.uint64(0), k0, k1)
             nx, ny = _box_muller(w0, w1)
             drawn[0, t] = bx + sx * nx
             drawn[1, t] = by + sy * ny

@@ -97,7 +97,7 @@ class RadialTable:
         return np.asarray(d[i] + t * (slope + t * (m[i] / 2.0 + t * (m[i + 1] - m[i]) / (6.0 * h))))
 
     def displacement(self, xy_mm: Floats) -> Floats:
-        return _along_radius(xy_mm, self.distortion_mm(np.hypot(xy_mm[:, 0], xy_mm[:, 1])))
+        return along_radius(xy_mm, self.distortion_mm(np.hypot(xy_mm[:, 0], xy_mm[:, 1])))
 
 
 @dataclass(frozen=True)
@@ -175,7 +175,7 @@ class UnflatFilm:
     def displacement(self, xy_mm: Floats) -> Floats:
         x, y = xy_mm.T
         q = self.b5 * x * y + self.b6 * x**3 + self.b7 * x**2 * y + self.b8 * x * y**2 + self.b9 * y**3
-        return _along_radius(xy_mm, q)
+        return along_radius(xy_mm, q)
 
 
 @dataclass(frozen=True)
@@ -240,7 +240,7 @@ class EffectOn:
         return self.camera in (None, camera_id) and self.flight in (None, flight_id) and self.image in (None, image_id)
 
 
-def _along_radius(xy_mm: Floats, amount_mm: Floats) -> Floats:
+def along_radius(xy_mm: Floats, amount_mm: Floats) -> Floats:
     """(n, 2): amount (n) along the radius at xy (n, 2); 0 at the centre, which has no direction."""
     r = np.hypot(xy_mm[:, 0], xy_mm[:, 1])
     return np.asarray(xy_mm * np.divide(amount_mm, r, out=np.zeros_like(r), where=r > 0.0)[:, None])

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +11,7 @@ import numpy as np
 from simfield.block import Block
 from simfield.csv_table import BlockFolderError, CsvTable, number_columns, read_table
 from simfield.degrees import degrees_text
+from simfield.folder_columns import FURTHER
 from simfield.further import (
     ATTITUDE,
     POSITION,
@@ -24,20 +25,11 @@ from simfield.further import (
 )
 from simfield.table_checks import Floats, Indices
 
-COLUMNS: dict[str, tuple[str, ...]] = {
-    "strips": ("strip_id", "position_bias", "attitude_bias"),
-    "stations": ("image_id", "strip_id", "time_s", *POSITION, *SIGMA_POSITION, *ATTITUDE, *SIGMA_ATTITUDE),
-    "distances": ("from_point_id", "to_point_id", "distance_m", "sigma_m"),
-    "height_differences": ("from_point_id", "to_point_id", "height_difference_m", "sigma_m"),
-    "ap_priors": ("camera_id", "parameter", "value", "sigma"),
-}
-"""the header of every file, by the table's name in a BlockError"""
-
 
 def read_tables(folder: Path) -> dict[str, CsvTable]:
     """The tables that are there. Raises BlockFolderError for a defect of form."""
-    files = {name: folder / f"{name}.csv" for name in COLUMNS}
-    return {name: read_table(path, COLUMNS[name]) for name, path in files.items() if path.exists() or path.is_symlink()}
+    files = {name: folder / f"{name}.csv" for name in FURTHER}
+    return {name: read_table(path, FURTHER[name]) for name, path in files.items() if path.exists() or path.is_symlink()}
 
 
 def further(folder: Path, tables: Mapping[str, CsvTable], block: Mapping[str, CsvTable]) -> Further:
@@ -66,14 +58,6 @@ def columns(block: Block) -> dict[str, list[Iterable[Any]]]:
         "ap_priors": [prior_cameras, priors.names, *_numbers(priors.values, priors.sigma)],
     }
     return {name: each for name, each in found.items() if len(getattr(f, name))}
-
-
-def refuse_strangers(folder: Path, written: Collection[str]) -> None:
-    """Raise BlockFolderError for a file that would be read with a block that it does not belong to."""
-    for name in COLUMNS:
-        file = folder / f"{name}.csv"
-        if name not in written and file.exists():
-            raise BlockFolderError(file, "would be read with this block, which has none; remove it or write elsewhere")
 
 
 def _strips(table: CsvTable) -> Strips:

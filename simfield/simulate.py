@@ -102,7 +102,19 @@ class World:
 
     def observe(self, trial: int = 0) -> tuple[Block, Truth]:
         """Measure once: the block of a trial, and the truth behind it."""
-        return _block(self, index(trial)), _truth(self, index(trial))
+        return self.block(self.image_points(index(trial)), index(trial)), _truth(self, index(trial))
+
+    def block(self, image_points: Floats, trial: int = 0) -> Block:
+        """The block of a trial with these measured image coordinates (k, 2), mm."""
+        scenario, plan = self.scenario, self.plan
+        camera_ids = [c.camera_id for c in scenario.cameras]
+        assumed = scenario.noise.assumed_sigma_mm(plan.camera_ids)[self.image]
+        return Block(
+            tuple(c.as_block_camera() for c in scenario.cameras),
+            Images(plan.image_ids, np.array([camera_ids.index(c) for c in plan.camera_ids]), self.start),
+            _points(self, trial),
+            ImageObservations(self.image, self.point, image_points, np.column_stack([assumed, assumed])),
+        )
 
 
 def simulate(scenario: Scenario, seed: int, trial: int = 0) -> tuple[Block, Truth]:
@@ -185,18 +197,6 @@ def _start_values(scenario: Scenario, plan: FlightPlan, exterior: Floats, seed: 
         deviation(stream(seed, "start", i), start.position_sigma_m, start.attitude_sigma_deg) for i in plan.image_ids
     ]
     return np.asarray(exterior + np.array(moved))
-
-
-def _block(world: World, trial: int) -> Block:
-    scenario, plan = world.scenario, world.plan
-    camera_ids = [c.camera_id for c in scenario.cameras]
-    assumed = scenario.noise.assumed_sigma_mm(plan.camera_ids)[world.image]
-    return Block(
-        tuple(c.as_block_camera() for c in scenario.cameras),
-        Images(plan.image_ids, np.array([camera_ids.index(c) for c in plan.camera_ids]), world.start),
-        _points(world, trial),
-        ImageObservations(world.image, world.point, world.image_points(trial), np.column_stack([assumed, assumed])),
-    )
 
 
 def _points(world: World, trial: int) -> Points:

@@ -13,7 +13,9 @@ import numpy.typing as npt
 
 from simfield.block import Floats, Indices
 from simfield.effects import EFFECTS, EffectOn
+from simfield.folder_columns import TRUTH_FILE
 from simfield.kinds import by_kind
+from simfield.whole_files import settle, write_whole
 
 ARRAYS: Mapping[str, type[Any]] = {
     "exterior": np.float64,
@@ -109,7 +111,7 @@ def write_truth(truth: Truth, path: Path | str) -> None:
     Raises OSError where it cannot be written, ValueError for an effect that is none of simfield.effects.
     """
     path = Path(path)
-    (path / "truth.json" if path.is_dir() else path).write_text(truth.to_json(), encoding="utf-8")
+    write_whole(path / TRUTH_FILE if path.is_dir() else path, truth.to_json().encode())
 
 
 def read_truth(path: Path | str) -> Truth:
@@ -118,7 +120,10 @@ def read_truth(path: Path | str) -> Truth:
     Raises OSError if there is none, ValueError or KeyError where it is not one that `write_truth` wrote.
     """
     path = Path(path)
-    return Truth.from_json((path / "truth.json" if path.is_dir() else path).read_text(encoding="utf-8"))
+    if path.is_dir():
+        settle(path)
+        path /= TRUTH_FILE
+    return Truth.from_json(path.read_text(encoding="utf-8"))
 
 
 def _effect_as_table(on: EffectOn) -> dict[str, Any]:

@@ -184,6 +184,10 @@ def adjust(
         _write_json(adjustment_page.record(a), json_path)
     _refuse_failed(a)
     if out is not None:
+        if (out / "cameras.csv").exists():
+            raise click.UsageError(
+                f"{out} holds a block, whose observations.csv the protocol would replace; name another folder"
+            )
         _write_protocol(a, out, quiet=json_path == "-")
     elif json_path is None:
         click.echo(adjustment_page.page(a))
@@ -273,12 +277,14 @@ def _setting(text: str, defaults: dict[str, Any]) -> tuple[str, Any]:
 
 
 def _write_json(record: dict[str, Any], path: str) -> None:
+    from simfield.whole_files import write_whole
+
     text = json.dumps(record, indent=1, allow_nan=False, ensure_ascii=False)
     if path == "-":
         click.echo(text)
         return
     try:
-        Path(path).write_text(text + "\n", encoding="utf-8")
+        write_whole(Path(path), f"{text}\n".encode())
     except OSError as error:
         raise click.UsageError(f"{path} cannot be written: {error.strerror}") from error
 

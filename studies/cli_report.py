@@ -23,12 +23,12 @@ def report(folder: Path, out: Path | None) -> None:
 
     The file needs nothing beside it, holds no script and is the same, byte for byte, for the same results.
     """
+    from simfield.whole_files import write_whole
     from studies.cli import Failure
     from studies.cli_studies import StoreFailure
     from studies.report import report as made
     from studies.store import StoreError
     from studies.summary_file import NothingToReportError
-    from studies.whole_files import write_whole
 
     path = out if out is not None else folder / "report.html"
     try:

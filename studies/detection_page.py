@@ -14,6 +14,7 @@ from adjust import ApModel
 from adjust.one_thread import one_thread
 from adjust.reliability import ALPHA, familywise
 from simfield.block import Block
+from simfield.whole_files import make_folder, whole_folder
 from studies.canvas import BLACK, BLUE, GREY, VERMILION, house_style, new_figure, save
 from studies.detection import detection, many_at_once
 from studies.progress import progress_bar
@@ -67,6 +68,10 @@ class Findings:
     many: pd.DataFrame
 
 
+OLDER = ("report.html",)
+"""what `simfield report` made of older results"""
+
+
 def find(block: Block, model: ApModel, trials: int, contests: int, seed: int) -> Findings:
     """One error at a time at two levels, the errors the same at both, and many at once. Raises ValueError for a block
     that cannot be adjusted.
@@ -87,25 +92,26 @@ def find(block: Block, model: ApModel, trials: int, contests: int, seed: int) ->
 
 
 def write(folder: Path, block: Block, model: ApModel, trials: int, contests: int, seed: int, source: str) -> list[Path]:
-    """Compute everything and write it; the files. source: the block in words. Raises ValueError, OSError."""
-    folder.mkdir(parents=True, exist_ok=True)
+    """Compute everything and write it, as one; the files. source: the block in words. Raises ValueError, OSError."""
+    make_folder(folder)
     start = time.perf_counter()
     found = find(block, model, trials, contests, seed)
-    write_csv(found.one, folder / "detection.csv", FORMATS)
-    write_csv(found.many, folder / "many-at-once.csv", MANY_FORMATS)
     command = f"simfield detection {source} --ap {model.id} --trials {trials} --contests {contests} --seed {seed}"
-    (folder / "report.md").write_text(page(found, command, trials, contests), encoding="utf-8")
-    with house_style():
-        figure = new_figure(180.0, 85.0)
-        left, right = figure.subplots(1, 2)
-        draw_power(left, found.one)
-        draw_many(right, found.many)
-        drawn = save(figure, folder / "detection", *SAYS)
     parameters = {"block": source, "ap": model.id, "trials": trials, "contests": contests, "seed": seed}
     said = provenance(command, parameters, time.perf_counter() - start)
-    (folder / "provenance.json").write_text(json.dumps(said, indent=1) + "\n", encoding="utf-8")
+    with whole_folder(folder, OLDER) as new:
+        write_csv(found.one, new / "detection.csv", FORMATS)
+        write_csv(found.many, new / "many-at-once.csv", MANY_FORMATS)
+        (new / "report.md").write_text(page(found, command, trials, contests), encoding="utf-8")
+        with house_style():
+            figure = new_figure(180.0, 85.0)
+            left, right = figure.subplots(1, 2)
+            draw_power(left, found.one)
+            draw_many(right, found.many)
+            drawn = save(figure, new / "detection", *SAYS)
+        (new / "provenance.json").write_text(json.dumps(said, indent=1) + "\n", encoding="utf-8")
     names = ("detection.csv", "many-at-once.csv", "report.md", "provenance.json")
-    return [*(folder / name for name in names), *drawn]
+    return [folder / name for name in (*names, *(path.name for path in drawn))]
 
 
 def worst_deviation(one: pd.DataFrame) -> tuple[float, float]:

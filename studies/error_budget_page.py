@@ -13,6 +13,7 @@ import pandas as pd
 from adjust import ap_models
 from simfield import presets
 from simfield.chain import chains
+from simfield.whole_files import make_folder, whole_folder
 from studies.canvas import BLUE, GREEN, GREY, ORANGE, VERMILION, house_style, new_figure, save
 from studies.error_budget import EVERYTHING, Budget, table
 from studies.progress import progress_bar
@@ -38,27 +39,30 @@ FORMATS = {
 }
 WITH_ERROR = {"m0_um": 3, "mu_xy_mm": 2, "mu_z_mm": 2}
 """means over trials, and the digits that they and their standard errors get"""
+OLDER = ("report.html",)
+"""what `simfield report` made of older results"""
 
 
 def write(folder: Path, trials: int, seed: int) -> list[Path]:
     """Compute the budget of 1980 (Helmert transformation on the fiducials, model brown14) and write it; the files."""
     started = time.monotonic()
-    folder.mkdir(parents=True, exist_ok=True)
+    make_folder(folder)
     budget = Budget(presets[SCENARIO], chains[CHAIN], Plan("helmert"), ap_models.get(MODEL))
     with progress_bar(STAGES, "stages of the chain") as bar:
         found = table(budget, trials, seed, bar.update)
-    write_csv(found, folder / "budget.csv", FORMATS)
-    (folder / "report.md").write_text(page(found, trials, seed), encoding="utf-8")
-    with house_style():
-        figure = new_figure(180.0, 95.0)
-        images, ground = figure.subplots(1, 2, sharey=True, width_ratios=(3, 2))
-        draw_images(images, found)
-        draw_ground(ground, found)
-        drawn = save(figure, folder / "budget", *SAYS)
     origin = provenance(command(trials, seed), {"trials": trials, "seed": seed}, time.monotonic() - started)
-    text = json.dumps(origin, indent=1, allow_nan=False) + "\n"
-    (folder / "provenance.json").write_text(text, encoding="utf-8")
-    return [folder / "budget.csv", folder / "report.md", *drawn, folder / "provenance.json"]
+    with whole_folder(folder, OLDER) as new:
+        write_csv(found, new / "budget.csv", FORMATS)
+        (new / "report.md").write_text(page(found, trials, seed), encoding="utf-8")
+        with house_style():
+            figure = new_figure(180.0, 95.0)
+            images, ground = figure.subplots(1, 2, sharey=True, width_ratios=(3, 2))
+            draw_images(images, found)
+            draw_ground(ground, found)
+            drawn = save(figure, new / "budget", *SAYS)
+        text = json.dumps(origin, indent=1, allow_nan=False) + "\n"
+        (new / "provenance.json").write_text(text, encoding="utf-8")
+    return [folder / name for name in ("budget.csv", "report.md", *(path.name for path in drawn), "provenance.json")]
 
 
 def command(trials: int, seed: int) -> str:

@@ -11,10 +11,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from simfield.whole_files import make_folder, write_whole
 from studies import gallery_pieces as pieces
 from studies.canvas import house_style, svg
 from studies.gallery_pieces import SEED, Example
-from studies.whole_files import make_folder, write_whole
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

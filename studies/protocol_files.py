@@ -15,10 +15,10 @@ from adjust import Adjustment
 from adjust.adjustment import correlations
 from adjust.one_thread import one_thread
 from adjust.reliability import Reliability
+from simfield.whole_files import write_set
 from studies import protocol, protocol_text
 from studies.adjustment_page import orientation_names
 from studies.spreadsheet import as_text
-from studies.whole_files import make_folder, write_whole
 
 OBSERVATIONS = (
     "image_id",
@@ -39,7 +39,7 @@ alone
 
 
 def write(a: Adjustment, folder: Path) -> list[Path]:
-    """Write the protocol of a successful adjustment; returns the files. Raises OSError."""
+    """Write the protocol of a successful adjustment, as one; returns the files. Raises OSError."""
     findings = protocol.Findings(a)
     # many small products: further threads only wait for each other
     with one_thread():
@@ -50,9 +50,7 @@ def write(a: Adjustment, folder: Path) -> list[Path]:
             "observations.csv": observations_csv(a, findings.reliability),
             "correlations.csv": correlations_csv(a),
         }
-    make_folder(folder)
-    for name, text in contents.items():
-        write_whole(folder / name, text.encode("utf-8"))
+    write_set(folder, {name: text.encode() for name, text in contents.items()})
     return [folder / name for name in contents]
 
 

@@ -13,7 +13,8 @@ from adjust.reductions import DoubleMeasurement, InnerOrientation, Reduced
 from adjust.reductions.inner import Kind
 from simfield import write_block
 from simfield.block import Block, Floats, ImageObservations, Indices
-from simfield.chain.raw import Raw, read_raw
+from simfield.chain.raw import Raw
+from simfield.raw_folder import read_raw
 
 
 @dataclass(frozen=True)

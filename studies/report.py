@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from simfield.whole_files import settle
 from studies import summary_file
 from studies.inline_svg import MOST_BYTES, Drawing, DrawingError, inline
 from studies.installation import versions
@@ -32,8 +33,10 @@ COMMANDS = ("simfield reproduce ", "simfield budget ", "simfield detection ")
 def report(folder: Path) -> str:
     """The report of a folder as HTML, the same bytes every time.
 
-    Raises NothingToReportError for a folder without results of ours, StoreError for one that is damaged or mixed up.
+    Raises NothingToReportError for a folder without results of ours, StoreError for one that is damaged or mixed up,
+    OSError.
     """
+    settle(folder)
     if (folder / "manifest.json").exists() or (folder / "study.toml").exists():
         return _of_study(folder)
     if (folder / "report.md").exists() and (folder / "provenance.json").exists():

@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from simfield.whole_files import whole_folder, write_whole
 from studies import backends, isolation, stopping
 from studies.backends import Broken
 from studies.block_task import BlockTask, Done, Draw, compute, run_task
@@ -16,10 +17,11 @@ from studies.machine import machine
 from studies.plan import Plan, Shard, look_at
 from studies.store import Store, locked
 from studies.study import Study, StudyError
-from studies.whole_files import write_whole
 from studies.worker import become_main
 
 TRIAL_LIMIT_S = 60.0
+DERIVED = ("summary.csv", "summary.parquet", "differences.csv", "figure.svg", "figure.png", "report.md", "report.html")
+"""what is made from the shards; nothing of it survives from a run with fewer trials or other methods"""
 Say = Callable[[str], object]
 Count = Callable[[int, int, int], object]
 """is told how many trials of how many that are known to be needed have been computed, and how many conditions are not
@@ -190,8 +192,9 @@ def summarised(plan: Plan, store: Store) -> Outcome:
     from studies import study_report, summary
 
     summed = summary.summarise(plan, store)
-    files = [*summary.write(summed, plan, store.folder), *study_report.write(summed, plan, store.folder)]
-    return Outcome(tuple(files), (*summed.failures, *lost_trials(plan, store)))
+    with whole_folder(store.folder, DERIVED) as new:
+        files = [*summary.write(summed, plan, new), *study_report.write(summed, plan, new)]
+    return Outcome(tuple(store.folder / path.name for path in files), (*summed.failures, *lost_trials(plan, store)))
 
 
 def lost_trials(plan: Plan, store: Store) -> list[str]:

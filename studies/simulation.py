@@ -5,9 +5,12 @@ from __future__ import annotations
 import difflib
 from pathlib import Path
 
-from simfield import Scenario, presets, read_scenario, simulate, write_block, write_truth
-from simfield.block_folder import BlockFolderError
+from simfield import Scenario, presets, read_scenario, simulate
+from simfield.block_folder import BlockFolderError, block_files
+from simfield.folder_columns import ALL_FILES, TRUTH_FILE
+from simfield.raw_folder import raw_files
 from simfield.scenario import ScenarioError
+from simfield.whole_files import write_set
 
 
 class WrongScenarioError(ValueError):
@@ -40,12 +43,12 @@ def write(source: str, seed: int, trial: int, folder: Path) -> str:
     flown = scenario(source)
     try:
         block, truth = simulate(flown, seed, trial)
-        write_block(block, folder)
-        write_truth(truth, folder)
+        contents = {**block_files(block, folder), TRUTH_FILE: truth.to_json().encode()}
+        write_set(folder, contents, ALL_FILES)
     except (ArithmeticError, ValueError, BlockFolderError) as error:
         raise SimulationError(str(error)) from error
     except OSError as error:
-        raise SimulationError(f"{folder} cannot be written: {error.strerror}") from error
+        raise SimulationError(f"{error.filename or folder} cannot be written: {error.strerror}") from error
     return (
         f"{folder}: {len(block.images)} images, {len(block.points)} points, {len(block.observations)} image points "
         f"({flown.name}, seed {seed}, trial {trial})"
@@ -57,7 +60,7 @@ def write_measured(source: str, chain: str, seed: int, trial: int, folder: Path,
 
     Raises as `write`.
     """
-    from simfield.chain import chains, prepare, without, write_raw
+    from simfield.chain import chains, prepare, without
     from simfield.simulate import build_world
 
     flown = scenario(source)
@@ -66,12 +69,12 @@ def write_measured(source: str, chain: str, seed: int, trial: int, folder: Path,
     try:
         world = build_world(flown, seed)
         raw = prepare(world, without(chains[chain], *left_out)).measure(trial)
-        write_raw(raw, folder)
-        write_truth(world.observe(trial)[1], folder)
+        contents = {**raw_files(raw), TRUTH_FILE: world.observe(trial)[1].to_json().encode()}
+        write_set(folder, contents, ALL_FILES)
     except (ArithmeticError, ValueError, BlockFolderError) as error:
         raise SimulationError(str(error)) from error
     except OSError as error:
-        raise SimulationError(f"{folder} cannot be written: {error.strerror}") from error
+        raise SimulationError(f"{error.filename or folder} cannot be written: {error.strerror}") from error
     return (
         f"{folder}: comparator coordinates of {len(raw.block.observations)} image points and "
         f"{len(raw.mark_image)} settings of marks ({flown.name}, {chain}, seed {seed}, trial {trial})"

@@ -21,8 +21,8 @@ from typing import Any
 
 import numpy.typing as npt
 
+from simfield.whole_files import make_folder, remove_unfinished, write_whole
 from studies.shards import MOST_BYTES, DamageError, decode, encode
-from studies.whole_files import make_folder, remove_unfinished, write_whole
 
 SCHEMA = 1
 NOMINAL = "nominal"

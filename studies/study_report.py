@@ -13,7 +13,6 @@ from studies.conditions import factor_names
 from studies.markdown_text import escaped
 from studies.plan import Plan
 from studies.summary import Row, Summary
-from studies.whole_files import write_whole
 
 MOST_LINES = 60
 DASH = "–"
@@ -23,7 +22,7 @@ def write(summed: Summary, plan: Plan, folder: Path) -> list[Path]:
     """Write report.md and the figure. Raises OSError."""
     figures = _draw(summed, plan, folder)
     path = folder / "report.md"
-    write_whole(path, page(summed, plan, [f for f in figures if f.suffix == ".svg"]).encode())
+    path.write_bytes(page(summed, plan, [f for f in figures if f.suffix == ".svg"]).encode())
     return [path, *figures]
 
 

@@ -20,7 +20,6 @@ from studies.performance import Measured
 from studies.plan import Plan, joined
 from studies.store import Store
 from studies.trial_columns import SENTENCES
-from studies.whole_files import write_whole
 
 Row = dict[str, Any]
 DIGITS = {"estimate": ".10g", "mcse": ".4g"}
@@ -115,12 +114,12 @@ def _measured_on(cell: Cell, both: npt.NDArray[np.bool_], measures: dict[str, Me
 
 
 def write(summed: Summary, plan: Plan, folder: Path) -> list[Path]:
-    """Write summary.csv, summary.parquet and differences.csv. Raises OSError."""
+    """Write summary.csv, summary.parquet and, where methods are compared, differences.csv. Raises OSError."""
     tables = {"summary.csv": to_csv(summed.rows), "summary.parquet": to_parquet(summed.rows)}
     if references(plan.study):
         tables["differences.csv"] = to_csv(summed.differences)
     for name, content in tables.items():
-        write_whole(folder / name, content)
+        (folder / name).write_bytes(content)
     return [folder / name for name in tables]
 
 

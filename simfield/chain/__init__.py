@@ -5,7 +5,7 @@ from simfield.chain.lens import Lens, RadialCertificate
 from simfield.chain.machine import Comparator, Errors, Marks
 from simfield.chain.measure import Chain, Prepared, prepare
 from simfield.chain.presets import STAGES, chains, without
-from simfield.chain.raw import Raw, read_raw, write_raw
+from simfield.chain.raw import Raw
 
 __all__ = [
     "STAGES",
@@ -20,7 +20,5 @@ __all__ = [
     "Raw",
     "chains",
     "prepare",
-    "read_raw",
     "without",
-    "write_raw",
 ]

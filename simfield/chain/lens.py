@@ -9,7 +9,7 @@ import numpy as np
 
 from simfield.block import Floats
 from simfield.distortion import measured_from_ideal
-from simfield.effects import Decentering, RadialTable, _along_radius
+from simfield.effects import Decentering, RadialTable, along_radius
 
 HALF_DIAGONALS_DEG = (45.0, 135.0, 225.0, 315.0)
 
@@ -49,7 +49,7 @@ class RadialCertificate:
         a, b, c, d = curves
         mean, twice = (a + b + c + d) / 4.0, (a - b + c - d) / 4.0
         once = 0.5 * (a - c) * np.cos(angle) + 0.5 * (b - d) * np.sin(angle)
-        return _along_radius(xy_mm, mean + once + twice * np.cos(2.0 * angle))
+        return along_radius(xy_mm, mean + once + twice * np.cos(2.0 * angle))
 
 
 @dataclass(frozen=True)

@@ -14,8 +14,9 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
+import numpy.typing as npt
 
-from simfield.block import Floats, Indices
+from simfield.block import Block, Floats, ImageObservations, Indices
 from simfield.chain.air import Air, through_air
 from simfield.chain.film import FieldAt, RandomField, field_at
 from simfield.chain.lens import Lens
@@ -87,7 +88,7 @@ class Prepared:
         xy[:k] += self._gross(trial)
         settings = self._on_machine(xy, trial)
         kept = stream(world.seed, "missed", trial).random(k) >= chain.errors.missed_rate
-        return Raw.of(self, settings, kept, self._named(trial), trial)
+        return _written_down(self, settings, kept, self._named(trial), trial)
 
     def _on_machine(self, xy: Floats, trial: int) -> Floats:
         """(n, s, 2) mm: machine coordinates of every setting."""
@@ -181,6 +182,48 @@ class Prepared:
         ]
         first, second = np.concatenate(pairs).T
         return first, second
+
+
+def _written_down(prepared: Prepared, settings: Floats, kept: npt.NDArray[np.bool_], point: Indices, trial: int) -> Raw:
+    """The measured file of a trial: kept (k) what was measured, point (k) under which name."""
+    world, chain, k = prepared.world, prepared.chain, prepared.count
+    block = world.block(world.distorted, trial)
+    o = block.observations
+    means = settings.mean(axis=1)
+    observations = ImageObservations(o.image[kept], point[kept], means[:k][kept], o.sigma[kept])
+    fiducials, crosses = len(chain.marks.fiducial_positions()), len(chain.marks.reseau_positions())
+    air, machine = chain.air, chain.comparator
+    height = world.exterior[:, 2] + air.altimeter_sigma_m * stream(world.seed, "altimeter").standard_normal(
+        len(world.plan)
+    )
+    ground = np.full(len(height), float(np.mean(world.field.coordinates[:, 2])))
+    return Raw(
+        block=Block(block.cameras, block.images, block.points, observations),
+        settings=settings[:k][kept],
+        time=prepared.time[:k][kept],
+        mark_image=prepared.image[k:],
+        mark=prepared.mark[k:],
+        mark_time=prepared.time[k:],
+        mark_settings=settings[k:],
+        mark_ids=(*(f"f{i + 1}" for i in range(fiducials)), *(f"r{i + 1}" for i in range(crosses))),
+        mark_kinds=("fiducial",) * fiducials + ("reseau",) * crosses,
+        calibrated={c.camera_id: calibrated_marks(world, prepared, c.camera_id) for c in block.cameras},
+        heights=np.column_stack([height, ground]),
+        machine=(*machine.scale_ppm, machine.non_orthogonality_ppm),
+        certificates={
+            lens.camera: (np.array(lens.radial.radius_mm), np.atleast_2d(lens.radial.distortion_um))
+            for lens in chain.lenses
+            if lens.radial is not None
+        },
+    )
+
+
+def calibrated_marks(world: World, prepared: Prepared, camera_id: str) -> Floats:
+    """(M, 2) mm: the positions of a camera's marks as its certificate gives them."""
+    marks = prepared.chain.marks
+    true = np.concatenate([marks.fiducial_positions(), marks.reseau_positions()])
+    error = stream(world.seed, "mark calibration", camera_id).standard_normal(true.shape)
+    return np.asarray(true + marks.calibration_um / 1000.0 * error)
 
 
 def share_of_words(rate: float) -> int:

@@ -7,9 +7,13 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from simfield.scenario_file import scenario_as_table
+from simfield.whole_files import make_folder, whole_folder
 from studies.provenance import provenance
 from studies.reproduce_1980.findings import Findings, compute
 from studies.reproduce_1980.report import write, write_provenance
+
+OLDER = ("report.html",)
+"""what `simfield report` made of an older reproduction"""
 
 
 @dataclass(frozen=True)
@@ -23,12 +27,14 @@ class Reproduction:
 def reproduce(folder: Path, *, trials: int, jobs: int | None, seed: int) -> Reproduction:
     """Write the reproduction into a folder. Raises ReproductionError if there is none, OSError if it cannot write."""
     started = time.monotonic()
-    folder.mkdir(parents=True, exist_ok=True)
+    make_folder(folder)
     command = f"simfield reproduce mauelshagen-1980 --trials {trials} --seed {seed}"
     found = compute(trials, jobs, seed)
-    files = write(found, folder, command)
-    origin = provenance(command, _parameters(found, seed), time.monotonic() - started)
-    return Reproduction([*files, write_provenance(origin, folder)], found.failures)
+    with whole_folder(folder, OLDER) as new:
+        files = write(found, new, command)
+        origin = provenance(command, _parameters(found, seed), time.monotonic() - started)
+        files.append(write_provenance(origin, new))
+    return Reproduction([folder / path.name for path in files], found.failures)
 
 
 def _parameters(found: Findings, seed: int) -> dict[str, object]:

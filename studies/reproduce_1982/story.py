@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from simfield.scenario_file import scenario_as_table
+from simfield.whole_files import make_folder, whole_folder
 from studies.canvas import house_style, save
 from studies.provenance import provenance
 from studies.reproduce_1982 import drawings
@@ -16,6 +17,9 @@ from studies.reproduce_1982.findings import Findings, compute
 from studies.reproduce_1982.pages import report_page
 from studies.reproduce_1982.table import FORMATS, RANK_FORMATS
 from studies.tables import write_csv
+
+OLDER = ("report.html",)
+"""what `simfield report` made of an older reproduction"""
 
 
 @dataclass(frozen=True)
@@ -29,16 +33,16 @@ class Reproduction:
 def reproduce(folder: Path, *, trials: int, jobs: int | None, seed: int) -> Reproduction:
     """Write the reproduction into a folder. Raises ReproductionError if there is none, OSError if it cannot write."""
     started = time.monotonic()
-    folder.mkdir(parents=True, exist_ok=True)
+    make_folder(folder)
     command = f"simfield reproduce ziemann-1982 --trials {trials} --seed {seed}"
     found = compute(trials, jobs, seed)
-    files = [*_tables(found, folder), *_figures(found, folder), _page(found, folder, command)]
     scenarios = {field: scenario_as_table(world.scenario) for field, world in found.worlds.items()}
     parameters = {"trials": trials, "seed": seed, "scenarios": scenarios}
-    origin = folder / "provenance.json"
-    record = provenance(command, parameters, time.monotonic() - started)
-    origin.write_text(json.dumps(record, indent=1, allow_nan=False) + "\n", encoding="utf-8")
-    return Reproduction([*files, origin], found.failures)
+    with whole_folder(folder, OLDER) as new:
+        files = [*_tables(found, new), *_figures(found, new), _page(found, new, command), new / "provenance.json"]
+        record = provenance(command, parameters, time.monotonic() - started)
+        files[-1].write_text(json.dumps(record, indent=1, allow_nan=False) + "\n", encoding="utf-8")
+    return Reproduction([folder / path.name for path in files], found.failures)
 
 
 def _tables(found: Findings, folder: Path) -> Iterator[Path]:

@@ -6,11 +6,12 @@ import time
 from pathlib import Path
 
 from simfield.scenario_file import scenario_as_table
+from simfield.whole_files import make_folder, whole_folder
 from studies.canvas import house_style, save
 from studies.provenance import provenance
 from studies.reproduce_1980 import table1
 from studies.reproduce_1980.report import write_provenance
-from studies.reproduce_1980.story import Reproduction
+from studies.reproduce_1980.story import OLDER, Reproduction
 from studies.tables import write_csv
 from studies.twin_1980 import drawings, pages
 from studies.twin_1980.findings import Findings, compute
@@ -22,12 +23,14 @@ MAIN = "2-D"
 def reproduce(folder: Path, *, trials: int, jobs: int | None, seed: int) -> Reproduction:
     """Write the twin into a folder. Raises ReproductionError if there is none, OSError if it cannot write."""
     started = time.monotonic()
-    folder.mkdir(parents=True, exist_ok=True)
+    make_folder(folder)
     command = f"simfield reproduce mauelshagen-1980 --world twin --trials {trials} --seed {seed}"
     found = compute(trials, jobs, seed)
-    files = _write(found, folder, command)
-    origin = provenance(command, _parameters(found, seed), time.monotonic() - started)
-    return Reproduction([*files, write_provenance(origin, folder)], found.failures)
+    with whole_folder(folder, OLDER) as new:
+        files = _write(found, new, command)
+        origin = provenance(command, _parameters(found, seed), time.monotonic() - started)
+        files.append(write_provenance(origin, new))
+    return Reproduction([folder / path.name for path in files], found.failures)
 
 
 def _write(found: Findings, folder: Path, command: str) -> list[Path]:

@@ -9,7 +9,8 @@ import pytest
 from click.testing import CliRunner
 
 from simfield import build_world, presets, read_block
-from simfield.chain import STAGES, chains, prepare, read_raw, write_raw
+from simfield.chain import STAGES, chains, prepare
+from simfield.raw_folder import read_raw, write_raw
 from studies import cli, published
 from studies.cli import main
 from studies.reproduce_1980.experiment import Row
