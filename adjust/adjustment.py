@@ -8,11 +8,11 @@ from functools import cached_property
 
 import numpy as np
 
+from adjust.arithmetic import Arithmetic
 from adjust.normals import SingularError
 from adjust.observations import Observations
 from adjust.one_thread import one_thread
 from adjust.precision import Cofactors
-from adjust.solve import Arithmetic
 from adjust.status import Status
 from adjust.unknowns import EXTERIOR_NAMES, POINT_NAMES, Unknowns
 from simfield.block import Block, Floats

@@ -11,14 +11,16 @@ from adjust.adjustment import Adjustment
 from adjust.ap_models.mauelshagen import NoModel
 from adjust.ap_models.model import ApModel
 from adjust.ap_sets import ApBy, ap_sets
+from adjust.arithmetic import Arithmetic
 from adjust.compiled_normals import Compiled
 from adjust.datum import ByControl, Datum
 from adjust.determinability import judged
+from adjust.either import by_either
 from adjust.further import Group, unknowns_of
 from adjust.normals import Plain
 from adjust.observations import Observations
 from adjust.one_thread import one_thread
-from adjust.solve import Arithmetic, Solution, solve
+from adjust.solve import Solution, solve
 from adjust.stated import stated_groups
 from adjust.status import Status
 from adjust.unknowns import Unknowns
@@ -44,7 +46,8 @@ def adjust_block(
     says whose AP sets there are (adjust.ap_sets): those of cameras, flights, strips or images, or a mapping from image
     ids to set ids; ValueError if images of two cameras share one or ids name no flight or strip, KeyError for an image
     that a mapping lacks.
-    compiled=False takes the readable arithmetic in plain numpy, with the same result.
+    compiled=False takes the readable arithmetic in plain numpy, with the same result; it is taken in any case where an
+    observation lies between two images.
 
     Least squares of measured + v = projected + d(measured) with weights 1/sigma^2, by Gauss-Newton with the points
     eliminated (Triggs et al. 2000, Bundle adjustment - a modern synthesis, sections 4 and 6).
@@ -68,9 +71,9 @@ def adjust_block(
     # what is not finite ends with a status, not with a warning
     with np.errstate(all="ignore"), one_thread():
         groups = Observations.of(block, unknowns, observations)
-        arithmetic = Compiled(groups) if compiled else Plain(groups)
-        solution = _checked_solution(unknowns, groups, arithmetic)
-        return datum.finished(_answer(groups, solution, arithmetic))
+        return datum.finished(
+            by_either(groups, compiled, lambda by: _answer(groups, _checked_solution(unknowns, groups, by), by))
+        )
 
 
 def reweighted(a: Adjustment, weights: Floats) -> Adjustment:
@@ -79,9 +82,10 @@ def reweighted(a: Adjustment, weights: Floats) -> Adjustment:
     A weight of 0 rejects an observation: it keeps a residual, but counts no more.
     """
     groups = a.groups.with_weights(weights)
-    arithmetic = Compiled(groups) if isinstance(a.arithmetic, Compiled) else Plain(groups)
     with np.errstate(all="ignore"), one_thread():
-        return _answer(groups, solve(groups, a.x, arithmetic), arithmetic)
+        return by_either(
+            groups, isinstance(a.arithmetic, Compiled), lambda by: _answer(groups, solve(groups, a.x, by), by)
+        )
 
 
 def _answer(groups: Observations, solution: Solution, arithmetic: Arithmetic) -> Adjustment:

@@ -11,9 +11,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from adjust.arithmetic import Arithmetic
 from adjust.normals import SingularError
 from adjust.precision import Cofactors
-from adjust.solve import Arithmetic, Solution
+from adjust.solve import Solution
 from adjust.status import Status
 from adjust.unknowns import ApSet, Unknowns
 from simfield.block import Floats, Indices
@@ -31,7 +32,7 @@ def judged(solution: Solution, unknowns: Unknowns, arithmetic: Arithmetic) -> So
     refused = [(s, name, share) for (s, name), share in zip(doubtful, found, strict=True) if share < LEAST_SHARE]
     if not refused:
         return solution
-    said = "; ".join(_sentence(*one) for one in refused)
+    said = "; ".join(_sentence(unknowns.owner_of(s), s, name, share) for s, name, share in refused)
     names = dict.fromkeys(name for _, name, _ in refused)
     quoted = ", ".join(f'"{name}"' for name in names) + ("," if len(names) == 1 else "")
     advice = f"; leave out without=({quoted})" if all("without" in s.model.settings for s, _, _ in refused) else ""
@@ -52,8 +53,8 @@ def shares(unknowns: Unknowns, arithmetic: Arithmetic, x: Floats, columns: Indic
     return np.asarray(1.0 / np.sqrt(n * q))
 
 
-def _sentence(s: ApSet, name: str, share: float) -> str:
+def _sentence(owner: str, s: ApSet, name: str, share: float) -> str:
     return (
-        f"{name} of camera {s.id} is not determined ({s.model.why_not_estimable[name]}): all other unknowns leave over "
+        f"{name} of {owner} is not determined ({s.model.why_not_estimable[name]}): all other unknowns leave over "
         f"{100 * share:.2g} % of its effect, at least {100 * LEAST_SHARE:g} % is needed"
     )

@@ -78,6 +78,10 @@ def unknowns_of(groups: Sequence[Group], block: Block) -> tuple[Name, ...]:
     return names
 
 
+class TwoImagesError(ValueError):
+    """An observation touches the unknowns of two images, for which normal equations image by image have no place."""
+
+
 def vpv(groups: Sequence[Bound], x: Floats) -> float:
     return float(sum(np.sum(group.weight * group.at(x).v ** 2) for group in groups))
 
@@ -87,8 +91,13 @@ Forms = Sequence[tuple[Floats, Linear]]
 
 
 def add_gradient(forms: Forms, gradient: Floats) -> None:
-    """Add A^T P v to the gradient of the orientation unknowns (E)."""
+    """Add A^T P v to the gradient of the orientation unknowns (E).
+
+    Raises ValueError for derivatives by coordinates that are eliminated.
+    """
     for weight, at in forms:
+        if at.columns.max(initial=0) >= len(gradient):
+            raise ValueError("a group of observations touches a point that it does not name as coupled")
         np.add.at(gradient, at.columns, (weight * at.v)[:, None] * at.values)
 
 
@@ -102,7 +111,7 @@ def add_dense(forms: Forms, ee: Floats) -> None:
 def add_blocks(forms: Forms, ee: Floats, ea: Floats, aa: Floats) -> None:
     """Add A^T P A to ee (m, 6, 6) lower triangles, ea (m, 6, A) and aa (A, A), as adjust.compiled_normals keeps them.
 
-    An observation may touch one image only.
+    Raises TwoImagesError for an observation that touches more than one image.
     """
     images = 6 * len(ee)
     for weight, at in forms:
@@ -111,7 +120,8 @@ def add_blocks(forms: Forms, ee: Floats, ea: Floats, aa: Floats) -> None:
         j = np.broadcast_to(at.columns[:, None, :], products.shape)
         used = products != 0.0
         inside = used & (i < images) & (j <= i)
-        assert (i[inside] // 6 == j[inside] // 6).all(), "an observation touches two images"
+        if (i[inside] // 6 != j[inside] // 6).any():
+            raise TwoImagesError("an observation touches two images")
         np.add.at(ee, (i[inside] // 6, i[inside] % 6, j[inside] % 6), products[inside])
         across = used & (i < images) & (j >= images)
         np.add.at(ea, (i[across] // 6, i[across] % 6, j[across] - images), products[across])

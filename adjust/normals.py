@@ -14,7 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cache, cached_property
+from functools import cache
 
 import numpy as np
 import scipy.linalg
@@ -130,16 +130,6 @@ class Factor:
     white: Floats
     condition: float
     """the reciprocal condition of the scaled S"""
-
-    @cached_property
-    def point_inverse(self) -> Floats:
-        """V^-1 (n, 3, 3)."""
-        return np.asarray(self.root.transpose(0, 2, 1) @ self.root)
-
-    @cached_property
-    def eliminated(self) -> Floats:
-        """V^-1 W (n, 3, E)."""
-        return np.asarray(self.root.transpose(0, 2, 1) @ self.white)
 
     def spread(self, at: Indices) -> Floats:
         """(len(at), E): rows of [I; -V^-1 W], by which the unknowns at these places hang on the orientation."""

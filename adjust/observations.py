@@ -252,26 +252,41 @@ class Observations:
         )
 
     def beside_elimination(self, x: Floats, gradient_only: bool = False) -> tuple[list[tuple[Floats, Linear]], float]:
-        """What enters the normal equations of the orientation unknowns beside the image points as the elimination sees
-        them: weights and linear forms, and their part of vPv. Further groups; of points that are coupled to others,
-        their control, and their image points with all derivatives, less those without the coordinates.
+        """What must be added to the normal equations of the orientation unknowns, as weights and linear forms, and the
+        vPv of the further groups.
+
+        The points are eliminated one by one, each with its own rays alone. Two kinds of observations do not fit into
+        that and are added here: the further groups, and whatever belongs to coupled points. A point is coupled when a
+        group ties it to another one, as a distance does; its coordinates then stay, among the orientation unknowns.
         """
         forms = [(group.weight, group.at(x)) for group in self.further]
-        control, u = self.control, self.image_points.unknowns
         total = float(sum(np.sum(weight * form.v**2) for weight, form in forms))
-        if len(u.coupled):
-            tied = control.columns < u.orientation
-            v, columns = control.residuals(x)[tied], control.columns[tied][:, None]
-            forms.append((control.weight[tied], Linear(v, columns, np.ones_like(v)[:, None])))
-            rows, form = self.image_points.coupled(x)
-            weight = self.image_points.weight[rows].ravel()
-            forms.append((weight, Linear(form.v, form.columns[:, -3:], form.values[:, -3:])))
-            if not gradient_only:
-                without = form.values.copy()
-                without[:, -3:] = 0.0
-                forms[-1] = (weight, form)
-                forms.append((-weight, Linear(form.v, form.columns, without)))
+        if len(self.image_points.unknowns.coupled):
+            forms.append(self._control_of_coupled(x))
+            forms += self._rays_of_coupled(x, gradient_only)
         return forms, total
+
+    def _control_of_coupled(self, x: Floats) -> tuple[Floats, Linear]:
+        """The observed coordinates of coupled points: v = x - given, with a derivative of 1."""
+        control = self.control
+        tied = control.columns < self.image_points.unknowns.orientation
+        v, columns = control.residuals(x)[tied], control.columns[tied][:, None]
+        return control.weight[tied], Linear(v, columns, np.ones_like(v)[:, None])
+
+    def _rays_of_coupled(self, x: Floats, gradient_only: bool) -> list[tuple[Floats, Linear]]:
+        """What the image coordinates of coupled points add to what the loop over all rays has summed already.
+
+        That loop holds coupled coordinates fixed: of a row (a, b) of the Jacobian, a by orientation and b by the
+        coordinates, it has summed a^T p v and a^T p a. To the gradient only b^T p v is to be added. To the normal
+        equations belongs (a, b)^T p (a, b) instead of (a, 0)^T p (a, 0): the first is added, the second taken away.
+        """
+        rows, form = self.image_points.coupled(x)
+        weight = self.image_points.weight[rows].ravel()
+        if gradient_only:
+            return [(weight, Linear(form.v, form.columns[:, -3:], form.values[:, -3:]))]
+        by_orientation = form.values.copy()
+        by_orientation[:, -3:] = 0.0
+        return [(weight, form), (-weight, Linear(form.v, form.columns, by_orientation))]
 
     def cost(self, x: Floats) -> float:
         """vPv; infinite when a point lies behind a camera."""

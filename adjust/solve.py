@@ -11,10 +11,11 @@ observations alone can cause.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 
+from adjust.arithmetic import Arithmetic
 from adjust.normals import SingularError
 from adjust.observations import Observations
 from adjust.rank_defect import explain
@@ -32,23 +33,6 @@ SMALL_STEP = 1e-7
 NEARLY_SINGULAR = 1e-8
 """reciprocal condition at which an iteration that does not converge is laid to the normal equations"""
 HALVINGS_MOST = 12
-
-
-class Arithmetic(Protocol):
-    """How normal equations are made and factorised: adjust.normals.Plain or adjust.compiled_normals.Compiled."""
-
-    @property
-    def observations(self) -> Observations:
-        """What is adjusted."""
-
-    def at(self, x: Floats) -> Any:
-        """The normal equations at x, with `finite`, `vpv` and `depth`."""
-
-    def gradient(self, x: Floats) -> Any:
-        """As `at`, but only the gradients, `vpv` and `depth` are needed."""
-
-    def factorise(self, normals: Any, condition_least: float = ...) -> Any:
-        """Raises SingularError where the reciprocal condition is less."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -136,7 +120,8 @@ def _not_finite(observations: Observations, iteration: int) -> str:
     row, _, column = (int(i) for i in bad[0])
     ap = group.unknowns.sets[group.unknowns.image_set[group.image[row]]]
     x, y = group.xy[row]
-    return f"the terms of {ap.model.parameters[column]} of camera {ap.id} are not finite at x = {x:g}, y = {y:g} mm"
+    term = f"{ap.model.parameters[column]} of {group.unknowns.owner_of(ap)}"
+    return f"the terms of {term} are not finite at x = {x:g}, y = {y:g} mm"
 
 
 def points_behind(observations: Observations, x: Floats) -> str:

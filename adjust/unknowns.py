@@ -129,7 +129,7 @@ class Unknowns:
             return f"{POINT_NAMES[at % 3]} of point {self.block.points.ids[at // 3]}"
         for s in self.sets:
             if s.columns.start <= index < s.columns.stop:
-                return f"{s.model.parameters[index - s.columns.start]} of camera {s.id}"
+                return f"{s.model.parameters[index - s.columns.start]} of {self.owner_of(s)}"
         if index >= self.orientation - len(self.coupled):
             at = int(self.coupled[index - self.orientation])
             return f"{POINT_NAMES[at % 3]} of point {self.block.points.ids[at // 3]}"
@@ -137,6 +137,12 @@ class Unknowns:
             owner, name = self.further[index - self._further_start]
             return f"{name} of {owner}"
         raise IndexError(index)
+
+    def owner_of(self, ap: ApSet) -> str:
+        """Whose set it is, in words: that of a camera, or of some of its images under a name of their own."""
+        if ap.id in self.block.camera_ids:
+            return f"camera {ap.id}"
+        return f"image {ap.id}" if ap.id in self.block.images.ids else f"the set {ap.id}"
 
     def index(self, owner: str, name: str) -> int:
         """The place in x of unknown `name` of the image, camera or point `owner`. Raises KeyError if there is none."""

@@ -102,10 +102,10 @@ def _orientation_lines(a: Adjustment) -> Iterator[str]:
 
 
 def _ap_lines(a: Adjustment) -> Iterator[str]:
-    for camera, e in a.ap.items():
+    for ap, e in zip(a.layout.sets, a.ap.values(), strict=True):
         if not e.names:
             continue
-        yield f"Additional parameters of camera {camera} (mm, per power of mm)"
+        yield f"Additional parameters of {a.layout.owner_of(ap)} (mm, per power of mm)"
         for name, value, std in zip(e.names, e.values, e.std, strict=True):
             yield f"{name:>6}{value:>16.6e}  +- {std:.2e}   {abs(value) / std:8.1f} times its standard deviation"
         yield ""

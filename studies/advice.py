@@ -11,7 +11,6 @@ CORRELATED = 0.99
 NOT_SIGNIFICANT = 0.05
 NAMED_MOST = 6
 FEW_POINTS = 6
-CHECK_RATIO = 2.0
 SYSTEMATIC = 4.0
 """mean of the radial residuals of a ring in its standard errors from which it is called systematic"""
 
@@ -85,16 +84,17 @@ def _weights(found: Record) -> Iterator[str]:
 
 
 def _parameters(found: Record) -> Iterator[str]:
-    for camera, tested in found["ap_significance"].items():
+    for set_id, tested in found["ap_significance"].items():
+        owner = found["ap_sets"][set_id]
         doubtful = [each["name"] for each in tested if each["with_exterior"] > CORRELATED]
         if doubtful:
             yield (
-                f"{_listed(doubtful)} of camera {camera} can hardly be told from the exterior orientation: leave out, "
+                f"{_listed(doubtful)} of {owner} can hardly be told from the exterior orientation: leave out, "
                 "or fly cross strips, oblique images or ground with more relief"
             )
         idle = [each["name"] for each in tested if each["p"] > NOT_SIGNIFICANT and each["p_added"] > NOT_SIGNIFICANT]
         if idle:
-            yield f"{_listed(idle)} of camera {camera} are not significant: they can be left out"
+            yield f"{_listed(idle)} of {owner} are not significant: they can be left out"
     systematic = sorted({r["camera"] for r in found["residuals_by_radius"] if _is_systematic(r)})
     if systematic:
         yield (

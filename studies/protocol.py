@@ -63,6 +63,7 @@ def record(a: Adjustment, findings: Findings | None = None) -> Record:
         "global_test": _global_test(a),
         "groups": groups(findings),
         "model_choice": model_choice(a),
+        "ap_sets": {s.id: a.layout.owner_of(s) for s in a.layout.sets},
         "ap_significance": {camera: _significance(s) for camera, s in findings.ap.items()},
         "reliability": reliability(findings),
         "suspected": [_accused(a, each) for each in findings.snooping.accused],

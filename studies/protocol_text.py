@@ -127,7 +127,7 @@ def _parameters(found: Record) -> Iterator[str]:
         yield "none"
         return
     header = ("name", "value", "std", "t", "p", "z", "p added", "R(EO)", "R(all)", "strongest correlation")
-    for camera, tested in found["ap_significance"].items():
+    for set_id, tested in found["ap_significance"].items():
         rows = (
             (
                 e["name"],
@@ -143,7 +143,7 @@ def _parameters(found: Record) -> Iterator[str]:
             )
             for e in tested
         )
-        yield f"camera {camera} (mm, per power of mm)"
+        yield f"{found['ap_sets'][set_id]} (mm, per power of mm)"
         yield from _table(header, rows)
     yield "t, p: each beside all others; z, p added: what each adds to those above it; R: multiple correlation with the"
     yield "exterior orientation and with all other orientation unknowns"

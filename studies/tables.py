@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +11,6 @@ import pandas as pd
 from studies.spreadsheet import as_text
 
 DASH = "–"
-Format = str | Callable[[Any], str]
 
 
 def write_csv(frame: pd.DataFrame, path: Path, formats: Mapping[str, str]) -> None:

@@ -36,7 +36,6 @@ SIDELAP = 0.3
 NOISE_UM = 4.0
 MOST_IMAGES = 150
 SCALES = (6000, 16000)
-OVERLAPS = (0.3, 0.8)
 
 
 @dataclass(frozen=True, eq=False)

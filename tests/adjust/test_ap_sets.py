@@ -15,6 +15,7 @@ from simfield import presets, simulate
 from simfield.block import Block, Images
 from simfield.effects import EffectOn, FilmAffine
 from simfield.noise import Noise
+from tests import synthetic
 
 MODEL = ap_models.get("torlegard")
 EVEN = replace(presets["rheidt-1980"], noise=Noise(image_um=4.0))
@@ -73,3 +74,14 @@ def test_film_of_one_flight_is_significant_and_no_film_is_not():
     false = sum(finer_sets(adjust_block(b, MODEL), adjust_block(b, MODEL, ap_by="flight")).p < LEVEL for b in still)
     # four of twelve at 5 % come once in 450 times
     assert false < 4
+
+
+@pytest.mark.parametrize(
+    ("ap_by", "owner"), [("camera", "camera ww"), ("image", "image {image}"), ("own", "the set mine")]
+)
+def test_an_unknown_says_whose_set_it_is_of(ww_world: synthetic.World, ap_by: str, owner: str) -> None:
+    block = ww_world.controlled(synthetic.CONTROL).block
+    by = dict.fromkeys(block.images.ids, "mine") if ap_by == "own" else ap_by
+    a = adjust_block(block, ap_models.get("optical"), ap_by=by)
+    name = a.layout.name(6 * len(block.images))
+    assert name == f"a1 of {owner.format(image=block.images.ids[0])}"
