@@ -1,20 +1,8 @@
-"""From a block to estimates and their quality."""
+"""From a block to estimates and their quality.
 
-from adjust import ap_models
-from adjust.adjustment import Adjustment, ApEstimate, Estimates
-from adjust.ap_models import ApModel
-from adjust.bundle import adjust_block
-from adjust.replicates import Replicates, adjust_replicates
-from adjust.status import Status
+Nothing behind this door is loaded before it is asked for.
+"""
 
-__all__ = [
-    "Adjustment",
-    "ApEstimate",
-    "ApModel",
-    "Estimates",
-    "Replicates",
-    "Status",
-    "adjust_block",
-    "adjust_replicates",
-    "ap_models",
-]
+import lazy_loader as lazy
+
+__getattr__, __dir__, __all__ = lazy.attach_stub(__name__, __file__)

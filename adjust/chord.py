@@ -20,7 +20,7 @@ from adjust.adjustment import Adjustment
 from adjust.ap_models.model import ApModel
 from adjust.bundle import adjust_block
 from adjust.compiled_normals import Compiled
-from adjust.kernels import LANES, TILES
+from adjust.kernels import TILES
 from adjust.observations import Observations
 from adjust.precision import Cofactors
 from adjust.solve import solve
@@ -29,7 +29,7 @@ from adjust.traced_terms import UntraceableError, compile_gradient
 from adjust.trials import CHORD, GAUSS_NEWTON, STATUSES, Trials
 from adjust.workspace import Workspace
 from simfield.block import Block, Floats, ImageObservations, Points
-from simfield.lanes import WIDTH
+from simfield.lanes import TOGETHER, WIDTH
 
 ERROR_LEFT = 1e-8
 """bound of the error left in any unknown, in its standard deviations"""
@@ -99,20 +99,20 @@ class Chord:
     def solve(
         self, image_points: Any, coordinates: Floats | None, trials: slice, room: Workspace, solved: Trials
     ) -> None:
-        """Solve at most LANES trials of image_points (t, k, 2) and coordinates (t, n, 3; None: those of the block).
+        """Solve at most TOGETHER trials of image_points (t, k, 2) and coordinates (t, n, 3; None: those of the block).
 
         room: made for these image points; solved: where the results go, as many trials.
         """
         count = trials.stop - trials.start
         coordinates = None if coordinates is None else coordinates[trials]
-        vpv, iterations = np.full(LANES, np.nan), np.zeros(LANES, dtype=np.int16)
-        converged = np.zeros(LANES, dtype=bool)
+        vpv, iterations = np.full(TOGETHER, np.nan), np.zeros(TOGETHER, dtype=np.int16)
+        converged = np.zeros(TOGETHER, dtype=bool)
         if self.gradients is not None:
             room.begin(trials)
             if coordinates is not None:
                 self._give_coordinates(coordinates, room)
-            ahead = self._step_ahead(room) if coordinates is None else np.full(LANES, np.inf)
-            converged = self._iterate(room, ahead, vpv, iterations, np.arange(LANES) < count)
+            ahead = self._step_ahead(room) if coordinates is None else np.full(TOGETHER, np.inf)
+            converged = self._iterate(room, ahead, vpv, iterations, np.arange(TOGETHER) < count)
         lane_copies.untile(room.x, solved.x)
         solved.vpv[:], solved.iterations[:] = vpv[:count], iterations[:count]
         solved.status[:] = STATUSES.index(Status.CONVERGED)
@@ -155,10 +155,10 @@ class Chord:
         starts, point, _, _ = self.indices
         first, parameters, v, xy, jacobian, by_point = self.linearised
         kernels.first_gradient(starts, point, first, parameters, v, xy, jacobian, by_point, room.xy, room.first)
-        np.multiply(room.first.reshape(-1, LANES)[self.free], self.s_single[:, None], out=room.scaled)
+        np.multiply(room.first.reshape(-1, TOGETHER)[self.free], self.s_single[:, None], out=room.scaled)
         np.matmul(self.correlation, room.scaled, out=room.change)
         kernels.advance(room.change, np.ones((TILES, WIDTH)), self.free, self.s, room.start, room.y, room.x)
-        length = np.empty(LANES)
+        length = np.empty(TOGETHER)
         kernels.longest(room.change, length)
         return length
 
@@ -172,10 +172,10 @@ class Chord:
     ) -> npt.NDArray[np.bool_]:
         """Iterate room.x in place; returns which trials have converged, and leaves their vPv and steps.
 
-        before (LANES): the length of a step that was already taken, infinite if none was.
+        before (TOGETHER): the length of a step that was already taken, infinite if none was.
         """
-        converged = np.zeros(LANES, dtype=bool)
-        length, worst = np.empty(LANES), np.zeros(LANES)
+        converged = np.zeros(TOGETHER, dtype=bool)
+        length, worst = np.empty(TOGETHER), np.zeros(TOGETHER)
         for step in range(1, STEPS_MOST + 1):
             cost, depth = self._gradient(room)
             kernels.scale(room.gradient, self.free, self.s, room.scaled)
@@ -201,7 +201,7 @@ class Chord:
         return converged
 
     def _gradient(self, room: Workspace) -> tuple[Floats, Floats]:
-        """A^T P v at room.x into room.gradient; returns vPv (LANES) and the least depth (LANES)."""
+        """A^T P v at room.x into room.gradient; returns vPv (TOGETHER) and the least depth (TOGETHER)."""
         layout, x = self.nominal.layout, room.x
         room.gradient[:] = 0.0
         vpv, depth = np.zeros((TILES, WIDTH)), np.full((TILES, WIDTH), np.inf)

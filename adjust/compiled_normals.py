@@ -15,8 +15,7 @@ import numpy as np
 import scipy.linalg
 import scipy.sparse
 
-from adjust import compiled_assembly as loops
-from adjust import further
+from adjust import compiled_assembly as loops, further
 from adjust.band_factor import BandFactor, SingularBandError, banded
 from adjust.normals import CONDITION_LEAST, DETERMINANT_LEAST, Factor, SingularError, reciprocal_condition
 from adjust.observations import Observations

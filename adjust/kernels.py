@@ -15,6 +15,7 @@ import numpy as np
 
 import simfield.lanes_compiled  # noqa: F401  lanes for numba
 from simfield.lanes import (
+    TOGETHER,
     WIDTH,
     WIDTH_SINGLE,
     align_stack,
@@ -30,9 +31,7 @@ from simfield.lanes import (
     widen,
 )
 
-LANES = 32
-"""trials a block: enough for the matrix product of the correction to run at full speed"""
-TILES = LANES // WIDTH
+TILES = TOGETHER // WIDTH
 STATION, PARAMETERS = 9, 12
 """rows of the context of an image: R by rows, X0, the additional parameters of its set"""
 VPV, DEPTH, PULL = 6, 7, 8
@@ -209,7 +208,7 @@ def collect(images: Any, sums: Any, contexts: Any, turns: Any, parameters: Any, 
 
 @numba.njit(cache=True, error_model="numpy")
 def scale(g: Any, free: Any, s: Any, scaled: Any) -> None:
-    """scaled (f, LANES) = s g in single precision of the rows free (f); s (f), g (tiles, size, WIDTH)."""
+    """scaled (f, TOGETHER) = s g in single precision of the rows free (f); s (f), g (tiles, size, WIDTH)."""
     for number in range(free.size):
         row = free[number]
         for pair in range(g.shape[0] // 2):
@@ -219,10 +218,10 @@ def scale(g: Any, free: Any, s: Any, scaled: Any) -> None:
 
 @numba.njit(cache=True, error_model="numpy")
 def longest(change: Any, length: Any) -> None:
-    """length (LANES): the largest absolute value of each column of change; NaN if there is one."""
+    """length (TOGETHER): the largest absolute value of each column of change; NaN if there is one."""
     length[:] = 0.0
     for row in range(change.shape[0]):
-        for t in range(LANES):
+        for t in range(TOGETHER):
             size = abs(change[row, t])
             length[t] = size if not size <= length[t] else length[t]
 
@@ -231,8 +230,8 @@ def longest(change: Any, length: Any) -> None:
 def advance(change: Any, active: Any, free: Any, s: Any, start: Any, y: Any, x: Any) -> None:
     """y -= change and x = start + s y in the rows free (f), for the active trials (tiles, WIDTH; 1.0 or 0.0).
 
-    change, y and s are of the free rows alone: change (f, LANES) in single precision, y (tiles, f, WIDTH), s (f); start
-    and x (tiles, size, WIDTH).
+    change, y and s are of the free rows alone: change (f, TOGETHER) in single precision, y (tiles, f, WIDTH), s (f);
+    start and x (tiles, size, WIDTH).
     """
     for number in range(free.size):
         row = free[number]

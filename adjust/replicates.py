@@ -20,15 +20,14 @@ import numpy.typing as npt
 from adjust.adjustment import Adjustment
 from adjust.ap_models.model import ApModel
 from adjust.chord import Chord
-from adjust.kernels import LANES
 from adjust.one_thread import one_thread
 from adjust.status import Status
 from adjust.trials import GAUSS_NEWTON, STATUSES, Trials
 from adjust.workspace import Workspace
 from simfield.block import Block, Floats
-from simfield.lanes import Arena
+from simfield.lanes import TOGETHER, Arena
 
-TASK = 16 * LANES
+TASK = 16 * TOGETHER
 """trials a task: fixed, so that a trial's neighbours are the same for any number of jobs"""
 
 
@@ -233,9 +232,9 @@ def _solve(
     room: Workspace,
     trials: Trials,
 ) -> None:
-    """Solve some trials in blocks of LANES, into `trials`."""
+    """Solve some trials in blocks of TOGETHER, into `trials`."""
     with one_thread():
-        for first in range(task.start, task.stop, LANES):
-            block = slice(first, min(first + LANES, task.stop))
+        for first in range(task.start, task.stop, TOGETHER):
+            block = slice(first, min(first + TOGETHER, task.stop))
             into = trials.part(slice(block.start - task.start, block.stop - task.start))
             chord.solve(image_points, coordinates, block, room, into)

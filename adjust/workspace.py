@@ -11,9 +11,9 @@ import numpy.typing as npt
 
 from adjust import kernels, lane_copies
 from adjust.adjustment import Adjustment
-from adjust.kernels import LANES, TILES
+from adjust.kernels import TILES
 from simfield.block import Floats
-from simfield.lanes import WIDTH, WIDTH_SINGLE, Arena
+from simfield.lanes import TOGETHER, WIDTH, WIDTH_SINGLE, Arena
 
 
 @dataclass(frozen=True, eq=False)
@@ -21,7 +21,7 @@ class Workspace:
     """The arrays that one block of trials after another is computed in; nothing in them outlives a block.
 
     Trial t of a block is lane t % WIDTH of tile t // WIDTH, the last and the first axis of all but scaled and change,
-    which are (f, LANES) for the matrix product.
+    which are (f, TOGETHER) for the matrix product.
     """
 
     x: Floats
@@ -59,8 +59,8 @@ class Workspace:
             gradient=tiles(size),
             given=tiles(3 * len(layout.block.points)),
             first=arena.array(size, TILES // 2, WIDTH_SINGLE, dtype=np.float32),
-            scaled=arena.array(free, LANES, dtype=np.float32),
-            change=arena.array(free, LANES, dtype=np.float32),
+            scaled=arena.array(free, TOGETHER, dtype=np.float32),
+            change=arena.array(free, TOGETHER, dtype=np.float32),
             xy=tiles(len(layout.block.observations), 2),
             turns=tiles(images, 2),
             contexts=tuple(tiles(images, kernels.PARAMETERS + a) for a in widths),
@@ -71,9 +71,9 @@ class Workspace:
         return room
 
     def begin(self, trials: slice) -> None:
-        """Fetch the image coordinates of at most LANES trials and go back to the start."""
+        """Fetch the image coordinates of at most TOGETHER trials and go back to the start."""
         self.fill(trials, self.xy)
-        for empty in range(trials.stop - trials.start, LANES):  # a lane without a trial repeats the first one
+        for empty in range(trials.stop - trials.start, TOGETHER):  # a lane without a trial repeats the first one
             self.xy[empty // WIDTH, :, :, empty % WIDTH] = self.xy[0, :, :, 0]
         self.x[:], self.y[:] = self.start, 0.0
 

@@ -17,8 +17,7 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from benchmarks import machine
-from benchmarks.flops import BROWN14 as BROWN14_COUNT
-from benchmarks.flops import TrialFlops
+from benchmarks.flops import BROWN14 as BROWN14_COUNT, TrialFlops
 from benchmarks.growing import SIZES
 from benchmarks.ours import AdjustBlock, AdjustReplicates
 from benchmarks.page import report

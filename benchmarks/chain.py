@@ -21,11 +21,11 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from adjust import adjust_replicates, ap_models
-from adjust.kernels import LANES
 from benchmarks.machine import description
 from benchmarks.timing import summary
 from simfield import build_world, presets
 from simfield.chain import Chain, Errors, Marks, chains, prepare
+from simfield.lanes import TOGETHER
 from simfield.simulate import World
 from studies.measured_trials import MeasuredTrials
 from studies.reduction import Plan, reduce
@@ -62,13 +62,13 @@ def measure(rounds: int, trials: int, clock: Callable[[], float] = time.process_
     world = build_world(presets[SCENARIO], SEED)
     draws, model = draws_of(world, trials), ap_models.get(MODEL)
     block = reduce(prepare(world, chains["psk-1969"]).measure(0), Plan("affine")).block
-    lanes = np.empty((LANES // 8, len(world.image), 2, 8))
+    lanes = np.empty((TOGETHER // 8, len(world.image), 2, 8))
     seconds: dict[str, dict[str, list[float]]] = {name: {"drawn": [], "adjusted": []} for name in draws}
     for turn in range(rounds + 1):
         for name, own in draws.items():
             begin = clock()
-            for first in range(0, trials, LANES):
-                own.fill_lanes(slice(first, first + LANES), lanes)
+            for first in range(0, trials, TOGETHER):
+                own.fill_lanes(slice(first, first + TOGETHER), lanes)
             drawn = clock() - begin
             begin = clock()
             if name != DRAWN_ONLY:
@@ -94,7 +94,7 @@ def main() -> None:
     parser.add_argument("--trials", type=int, default=TRIALS)
     arguments = parser.parse_args()
     with threadpool_limits(1):
-        found = measure(arguments.rounds, arguments.trials // LANES * LANES)
+        found = measure(arguments.rounds, arguments.trials // TOGETHER * TOGETHER)
     of_plain = shares(found)
     for name, own in found.items():
         drawn, adjusted = own["drawn"]["median_ms"], own["adjusted"]["median_ms"]

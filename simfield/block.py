@@ -16,10 +16,16 @@ import numpy as np
 import numpy.typing as npt
 
 from simfield.further import Further
-from simfield.table_checks import BlockError as BlockError
-from simfield.table_checks import Floats as Floats
-from simfield.table_checks import Indices as Indices
-from simfield.table_checks import check_ids, check_index, check_shape, freeze, refuse
+from simfield.table_checks import (
+    BlockError as BlockError,
+    Floats as Floats,
+    Indices as Indices,
+    check_ids,
+    check_index,
+    check_shape,
+    freeze,
+    refuse,
+)
 
 ROLES = ("control", "check", "tie")
 EXTERIOR = ("X0_m", "Y0_m", "Z0_m", "omega_deg", "phi_deg", "kappa_deg")

@@ -7,7 +7,6 @@ Time and memory are bounded by the size of the file: a line over LONGEST_LINE is
 from __future__ import annotations
 
 import csv
-import difflib
 import io
 import math
 import os
@@ -21,6 +20,7 @@ import numpy as np
 
 from simfield.degrees import radians_of
 from simfield.table_checks import Floats, Indices
+from simfield.wording import resembling
 
 LONGEST_LINE = 1_000_000
 LONGEST_REASON = 400
@@ -192,7 +192,7 @@ def _check_header(path: Path, line: int, header: Sequence[str], names: Sequence[
     seen: set[str] = set()
     for name in header:
         if name not in names:
-            near = _nearest(name, names)
+            near = resembling(name, names)
             hint = f"did you mean {near}?" if near else f"known are {', '.join(names)}"
             raise BlockFolderError(
                 path,
@@ -222,12 +222,6 @@ def _other_separator(record: Sequence[str]) -> str:
     counts = {word: sum(field.count(mark) for field in record) for mark, word in SEPARATORS.items()}
     word, count = max(counts.items(), key=lambda item: item[1])
     return word if count >= len(record) else ""
-
-
-def _nearest(name: str, names: Sequence[str]) -> str:
-    lowered = {known.lower(): known for known in names}
-    near = difflib.get_close_matches(name[:60].strip().lower(), lowered, n=1)
-    return lowered[near[0]] if near else ""
 
 
 def _number_defect(text: str) -> str:

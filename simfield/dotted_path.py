@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from simfield.scenario import ScenarioError
-from simfield.scenario_faults import nearest, shown
+from simfield.wording import nearest, shown
 
 STEP = re.compile(r"([^.\[\]]+)((?:\[(?:\d+|\*)\])*)(?:\.|$)")
 

@@ -16,6 +16,9 @@ import numpy.typing as npt
 
 WIDTH, WIDTH_SINGLE = 8, 16
 """numbers in double and in single precision lanes"""
+TOGETHER = 32
+"""trials that are computed together, always the same, so that their bits do not hang on the block: enough for a matrix
+product over them to run at full speed"""
 CACHE_LINE = 64
 """bytes"""
 LARGE_PAGES = 16 << 20

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import difflib
-import json
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import fields
 from typing import TYPE_CHECKING, Any
 
@@ -17,6 +15,7 @@ from simfield.kinds import by_kind
 from simfield.measurement import Measurement, PointCount
 from simfield.noise import Noise
 from simfield.scenario import Scenario, StartValues
+from simfield.wording import nearest, shown
 
 if TYPE_CHECKING:
     from pydantic_core import ErrorDetails
@@ -95,16 +94,3 @@ def _known_keys(steps: tuple[int | str, ...], table: Any) -> list[str]:
 
 def _place(steps: tuple[int | str, ...]) -> str:
     return "".join(f"[{s}]" if isinstance(s, int) else f".{s}" for s in steps).removeprefix(".")
-
-
-def nearest(name: object, known: Iterable[str]) -> str:
-    """The end of a line about an unknown name: the known name that it resembles, or all of them."""
-    known = sorted(known)
-    near = difflib.get_close_matches(str(name), known, n=1)
-    return f", did you mean {near[0]!r}?" if near else f"; known are {', '.join(known)}"
-
-
-def shown(value: object) -> str:
-    """A value as a file would show it, shortened."""
-    shown = json.dumps(value, default=str)
-    return shown if len(shown) <= 60 else shown[:57] + "..."

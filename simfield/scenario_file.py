@@ -30,7 +30,8 @@ from simfield.dotted_path import put
 from simfield.effects import EFFECTS
 from simfield.presets import presets
 from simfield.scenario import Scenario, ScenarioError
-from simfield.scenario_faults import KINDS, TABLES, fault_lines, nearest
+from simfield.scenario_faults import KINDS, TABLES, fault_lines
+from simfield.wording import nearest
 
 if TYPE_CHECKING:
     from pydantic import TypeAdapter

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any, NoReturn
 import click
 
 from studies import cli_chain, cli_quality, cli_report, cli_studies, cli_teach, installation
+from studies.late_choice import LateChoice
 
 if TYPE_CHECKING:
     from adjust import Adjustment, ApModel
@@ -24,9 +25,28 @@ if TYPE_CHECKING:
 DEFAULT_TRIALS = 200
 DEFAULT_SEED = 1980
 FOLDER = click.Path(file_okay=False, path_type=Path)
-STAGES = ("refraction", "curvature", "lens", "film-field", "marks", "comparator", "settings", "errors")
-"""those of simfield.chain.STAGES; repeated here, so that --help imports nothing heavy"""
 BLOCK_FOLDER = click.Path(exists=True, file_okay=False, path_type=Path)
+
+
+def stages() -> tuple[str, ...]:
+    """The stages of the measurement chain."""
+    from simfield.chain import STAGES
+
+    return tuple(STAGES)
+
+
+def further_tables() -> tuple[str, ...]:
+    """The further observations of a block."""
+    from simfield.further import TABLES
+
+    return TABLES
+
+
+def owners_of_sets() -> tuple[str, ...]:
+    """Whose sets of additional parameters there may be."""
+    from adjust.ap_sets import CHOICES
+
+    return CHOICES
 
 
 class Failure(click.ClickException):
@@ -142,13 +162,13 @@ def reproduce(what: str, out: Path | None, trials: int, jobs: int | None, seed: 
 )
 @click.option(
     "--leave-out",
-    type=click.Choice(["stations", "distances", "height_differences", "ap_priors"]),
+    type=LateChoice(further_tables),
     multiple=True,
     help="Further observations of the folder that are not used; may be given more than once.",
 )
 @click.option(
     "--ap-by",
-    type=click.Choice(["camera", "flight", "strip", "image"]),
+    type=LateChoice(owners_of_sets),
     default="camera",
     show_default=True,
     help="Whose sets of additional parameters; a finer choice is tested against one set a camera.",
@@ -206,7 +226,7 @@ def adjust(
     "--chain", default="psk-1969", show_default=True, help="Measurement chain of --raw: psk-1969, undisturbed."
 )
 @click.option(
-    "--without", type=click.Choice(STAGES), multiple=True, help="A stage of the chain to leave out, with --raw."
+    "--without", type=LateChoice(stages), multiple=True, help="A stage of the chain to leave out, with --raw."
 )
 def simulate(source: str, seed: int, trial: int, folder: Path, raw: bool, chain: str, without: tuple[str, ...]) -> None:
     """Fly a scenario; write the block folder a surveyor would hand over, and truth.json beside it."""

@@ -6,9 +6,24 @@ from pathlib import Path
 
 import click
 
+from studies.late_choice import LateChoice
+
 FOLDER = click.Path(file_okay=False, path_type=Path)
 RAW_FOLDER = click.Path(exists=True, file_okay=False, path_type=Path)
-REDUCTIONS = ("drift", "comparator", "lens", "refraction", "curvature")
+
+
+def switches() -> tuple[str, ...]:
+    """The reductions that can be left out."""
+    from studies.reduction import SWITCHES
+
+    return SWITCHES
+
+
+def inner_kinds() -> tuple[str, ...]:
+    """The transformations on fiducial marks."""
+    from adjust.reductions.inner import PARAMETERS
+
+    return tuple(PARAMETERS)
 
 
 def register(main: click.Group) -> None:
@@ -22,20 +37,20 @@ def register(main: click.Group) -> None:
 @click.option("-o", "--out", "folder", type=FOLDER, required=True, help="Block folder to write.")
 @click.option(
     "--inner",
-    type=click.Choice(["helmert", "affine", "bilinear", "projective"]),
+    type=LateChoice(inner_kinds),
     default="affine",
     show_default=True,
     help="Transformation on the fiducial marks.",
 )
 @click.option("--reseau", type=click.IntRange(1, 5), help="Degree of the reseau correction.  [default: none]")
-@click.option("--without", type=click.Choice(REDUCTIONS), multiple=True, help="A reduction to leave out.")
+@click.option("--without", type=LateChoice(switches), multiple=True, help="A reduction to leave out.")
 @click.option("--threshold", type=click.FloatRange(0.0), default=15.0, show_default=True, help="Double settings, um.")
 def reduce(raw: Path, folder: Path, inner: str, reseau: int | None, without: tuple[str, ...], threshold: float) -> None:
     """Reduce comparator coordinates (`simfield simulate --raw`) to a block folder; say what was removed."""
     from simfield.block_folder import BlockFolderError
-    from studies.reduction import Plan, reduce_folder
+    from studies.reduction import SWITCHES, Plan, reduce_folder
 
-    wanted = {name: name not in without for name in REDUCTIONS}
+    wanted = {name: name not in without for name in SWITCHES}
     plan = Plan(inner=inner, threshold_um=threshold, reseau_degree=reseau, **wanted)  # type: ignore[arg-type]
     try:
         click.echo(reduce_folder(raw, folder, plan))

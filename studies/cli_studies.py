@@ -122,8 +122,7 @@ def _run(asked: Study, folder: Path, options: dict[str, Any], trial_limit: float
 
     from studies.cli import Failure
     from studies.progress import progress_bar
-    from studies.run import How
-    from studies.run import run as run_study
+    from studies.run import How, run as run_study
 
     jobs = options.pop("jobs") or os.cpu_count() or 1
     how = How(**{k: v for k, v in options.items() if v is not None}, jobs=jobs, trial_limit_s=trial_limit)
@@ -220,8 +219,7 @@ def replay(source: str, condition: str, trial: int) -> None:
     CONDITION is an id, its beginning, or its number in the dry run.
     """
     with _exit_codes():
-        from studies.replay import condition_named
-        from studies.replay import replay as replay_trial
+        from studies.replay import condition_named, replay as replay_trial
 
         plan = _plan(source)
         for line in replay_trial(plan, condition_named(plan, condition), trial):

@@ -8,7 +8,7 @@ from typing import Any
 
 from simfield.dotted_path import put
 from simfield.scenario import ScenarioError
-from simfield.scenario_faults import nearest
+from simfield.wording import nearest
 from studies.study import Factor, Study, StudyError
 
 NAMED: Mapping[str, Factor] = {

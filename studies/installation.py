@@ -9,7 +9,7 @@ MARKS = {"simfield": "block.py", "adjust": "bundle.py", "studies": "installation
 """a file of ours that an unrelated package of the same name has not"""
 LIBRARIES = (
     *("numpy", "scipy", "pandas", "matplotlib", "joblib", "numba", "click", "pydantic", "tqdm", "threadpoolctl"),
-    *("pyarrow", "jinja2", "markdown-it-py"),
+    *("pyarrow", "jinja2", "markdown-it-py", "lazy-loader"),
 )
 
 
@@ -48,4 +48,4 @@ def versions() -> dict[str, str]:
 
 
 def _ours(init: Path, package: str) -> bool:
-    return package != "adjust" or "adjust_block" in init.read_text(encoding="utf-8", errors="replace")
+    return package != "adjust" or "From a block to estimates" in init.read_text(encoding="utf-8", errors="replace")

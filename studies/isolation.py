@@ -13,9 +13,9 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from multiprocessing.connection import Connection
 
+from simfield.lanes import TOGETHER
 from studies.backends import BackendError, Broken, Work, task_limit_s
 from studies.block_task import BlockTask, Done
-from studies.study import LANES
 
 Try = Callable[[BlockTask], object]
 """computes a block and writes nothing"""
@@ -56,7 +56,8 @@ def in_order(tasks: Sequence[BlockTask], work: Work, trial_limit_s: float) -> It
 def _culprits(task: BlockTask, attempt: Try, trial_limit_s: float) -> dict[int, str]:
     """The trials that bring a process down or do not end: lanes that do, and in these every trial alone."""
     lanes = [
-        replace(task, first=first, stop=min(first + LANES, task.stop)) for first in range(task.first, task.stop, LANES)
+        replace(task, first=first, stop=min(first + TOGETHER, task.stop))
+        for first in range(task.first, task.stop, TOGETHER)
     ]
     suspects = [part for broken in _broken(lanes, attempt, trial_limit_s) for part in broken.tasks]
     trials = [

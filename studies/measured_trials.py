@@ -18,12 +18,10 @@ from simfield.chain import Prepared
 from simfield.chain.measure import share_of_words
 from simfield.chain.raw import Raw
 from simfield.expansion import second_order
-from simfield.lanes import WIDTH, Arena
+from simfield.lanes import TOGETHER, WIDTH, Arena
 from simfield.streams import counter_key
 from studies.reduction import Plan, marks_of, through_lens_and_air
 
-TOGETHER = 32
-"""trials that are computed together, always the same, so that their bits do not hang on the block"""
 SCRATCH = 1 << 18
 """bytes: about what an image needs to be worked on"""
 NEAR_CENTRE_MM = 10.0

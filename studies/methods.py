@@ -7,35 +7,13 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
-from simfield.scenario_faults import nearest, shown
+from adjust import ap_models
+from simfield.wording import nearest, shown
 from studies.factors import canonical_text
 from studies.study import Study
 
 if TYPE_CHECKING:
     from adjust import ApModel
-
-MODEL_SETTINGS: Mapping[str, tuple[str, ...]] = {
-    "none": (),
-    "optical": ("r0_mm", "as_printed"),
-    "torlegard": ("r0_mm", "as_printed"),
-    "brown14": ("r0_mm", "as_printed", "b4_printed", "sign_printed"),
-    "ebner12": ("b_mm",),
-    "elhakim-faig11": (),
-    "gruen12": (),
-    "koelbl-juhl9": ("r0_mm",),
-    "mauelshagen14": (),
-    "schut14": (),
-    "salmenpera-kilpela7": ("r0_mm",),
-    "gruen44": ("b_mm",),
-    "brown1971": ("c_mm", "without"),
-    "brown1976": ("c_mm", "without"),
-    "jacobsen12": (),
-    "legendre": ("m", "n", "bx_mm", "by_mm"),
-    "fourier": ("m", "n", "bx_mm", "by_mm"),
-    "chebyshev": ("m", "n", "bx_mm", "by_mm"),
-    "zernike": ("n", "bx_mm", "by_mm"),
-}
-"""the catalogue of adjust.ap_models, here so that a dry run imports no numerics; a test holds the two equal"""
 
 KEYS = ("ap", "cameras", "aux_points", "image_um", "control_mm")
 ALL = "all"
@@ -78,8 +56,6 @@ class Method:
 
     def ap_model(self) -> ApModel:
         """Raises KeyError, TypeError or ValueError for a model or setting that is not allowed."""
-        from adjust import ap_models
-
         return ap_models.get(self.model, **dict(self.settings))
 
 
@@ -182,14 +158,14 @@ def _ap_faults(level: Any) -> list[str]:
         return [f': found {shown(level)}, allowed: the id of an AP model or {{id = "optical", r0_mm = 90}}']
     if ":" in model:  # a set of the user's own, which is not loaded before it is used
         return []
-    if model not in MODEL_SETTINGS:
-        return [f": no AP model {model!r}{nearest(model, MODEL_SETTINGS)}"]
+    if model not in ap_models.names():
+        return [f": no AP model {model!r}{nearest(model, ap_models.names())}"]
     if not isinstance(level, Mapping):
         return []
-    faults = []
+    faults, settings = [], tuple(ap_models.get(model).settings)
     for name, value in level.items():
-        if name != "id" and name not in MODEL_SETTINGS[model]:
-            allowed = nearest(name, MODEL_SETTINGS[model]) if MODEL_SETTINGS[model] else "; it has none"
+        if name != "id" and name not in settings:
+            allowed = nearest(name, settings) if settings else "; it has none"
             faults.append(f".{name}: unknown setting of {model}{allowed}")
         elif name == "without":
             if not isinstance(value, list | tuple) or not all(isinstance(v, str) for v in value):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from pathlib import Path
 
 import numpy as np
@@ -31,6 +31,10 @@ class Plan:
     lens: bool = True
     refraction: bool = True
     curvature: bool = True
+
+
+SWITCHES = tuple(f.name for f in fields(Plan) if f.default is True)
+"""the reductions that can be left out"""
 
 
 @dataclass(frozen=True, eq=False)

@@ -6,11 +6,12 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from simfield.lanes import TOGETHER
 from simfield.simulate import build_world
 from studies.block_task import BEFORE, compute
 from studies.conditions import Condition
 from studies.plan import Plan
-from studies.study import LANES, StudyError
+from studies.study import StudyError
 from studies.trial_columns import CONVERGED, DEVIATIONS, SENTENCES
 
 BEGINNING = 4
@@ -35,7 +36,7 @@ def replay(plan: Plan, condition: Condition, trial: int) -> Iterator[str]:
     world = build_world(condition.scenario, condition.seed)
     yield f"{len(world.plan)} images, {len(world.place)} points, {len(world.image)} image points"
     task = plan.task(condition, trial // plan.study.trials.block, {})
-    first = trial - trial % LANES
+    first = trial - trial % TOGETHER
     for method in plan.methods:
         yield f"{method.key}:"
         others = dict.fromkeys(range(first, trial), "crashed")

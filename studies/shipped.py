@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from simfield.scenario_faults import nearest
+from simfield.wording import nearest
 from studies.study import Study, StudyError, read_study
 
 FOLDER = Path(__file__).parent / "catalogue"

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 from pathlib import Path
 
 from simfield import Scenario, presets, read_scenario, simulate
@@ -11,6 +10,7 @@ from simfield.folder_columns import ALL_FILES, TRUTH_FILE
 from simfield.raw_folder import raw_files
 from simfield.scenario import ScenarioError
 from simfield.whole_files import write_set
+from simfield.wording import nearest
 
 
 class WrongScenarioError(ValueError):
@@ -27,9 +27,7 @@ def scenario(source: str) -> Scenario:
         return presets[source]
     path = Path(source)
     if path.suffix != ".toml" and not path.exists():
-        near = difflib.get_close_matches(source, presets, n=1)
-        hint = f"did you mean {near[0]!r}?" if near else f"presets are {', '.join(presets)}"
-        raise WrongScenarioError(f"no preset {source!r}, {hint}")
+        raise WrongScenarioError(f"no preset {source!r}{nearest(source, presets, 'presets are')}")
     try:
         return read_scenario(path)
     except ScenarioError as error:

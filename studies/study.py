@@ -23,7 +23,7 @@ from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from simfield.scenario_faults import nearest, shown
+from simfield.wording import nearest, shown
 
 if TYPE_CHECKING:
     from pydantic import TypeAdapter
@@ -34,8 +34,6 @@ LARGEST_FILE = 256 * 1024
 LARGEST_NUMBER = 2**63 - 1
 LEAST_TRIALS = 500
 """no condition is stopped early before it has so many trials: an early standard error is too easily too small"""
-LANES = 32
-"""trials that are computed side by side; a shard holds a multiple of them"""
 
 
 class StudyError(ValueError):

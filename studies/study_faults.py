@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Any
 
+from simfield.lanes import TOGETHER
 from simfield.scenario import ScenarioError
-from simfield.scenario_faults import nearest, shown
 from simfield.scenario_file import scenario_from_table
+from simfield.wording import nearest, shown
 from studies import conditions
 from studies.factors import canonical, canonical_text, factor_named, level_label
 from studies.methods import KEYS, method_faults
-from studies.study import LANES, LEAST_TRIALS, NAME, Study, StudyError
+from studies.study import LEAST_TRIALS, NAME, Study, StudyError
 
 MOST_TRIALS = 10_000_000
 MOST_TRIALS_A_BLOCK = 8192
@@ -55,8 +56,8 @@ def _trials(study: Study) -> Iterator[str]:
         yield f"trials.max: found {trials.max}, allowed: 0 to {MOST_TRIALS}"
     if trials.min < LEAST_TRIALS:
         yield f"trials.min: found {trials.min}, allowed: {LEAST_TRIALS} and above"
-    if trials.block % LANES or not LANES <= trials.block <= MOST_TRIALS_A_BLOCK:
-        yield f"trials.block: found {trials.block}, allowed: multiples of {LANES} up to {MOST_TRIALS_A_BLOCK}"
+    if trials.block % TOGETHER or not TOGETHER <= trials.block <= MOST_TRIALS_A_BLOCK:
+        yield f"trials.block: found {trials.block}, allowed: multiples of {TOGETHER} up to {MOST_TRIALS_A_BLOCK}"
     for name, target in trials.target_mcse.items():
         if target <= 0.0:
             yield f"trials.target_mcse.{name}: found {target:g}, allowed: a number > 0"

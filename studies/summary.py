@@ -18,13 +18,12 @@ from studies.conditions import Condition
 from studies.methods import references
 from studies.performance import Measured
 from studies.plan import Plan, joined
+from studies.spreadsheet import as_text
 from studies.store import Store
 from studies.trial_columns import SENTENCES
 
 Row = dict[str, Any]
 DIGITS = {"estimate": ".10g", "mcse": ".4g"}
-FORMULA = ("=", "+", "-", "@", "\t", "\r")
-"""what a spreadsheet takes for the beginning of a formula"""
 
 
 @dataclass(frozen=True)
@@ -138,9 +137,7 @@ def _cell(name: str, value: Any) -> str:
         return str(value).lower()
     if isinstance(value, float):
         return "" if value != value else format(value, DIGITS.get(name, "g"))
-    if isinstance(value, str) and value.startswith(FORMULA):
-        return f"'{value}"
-    return str(value)
+    return as_text(value) if isinstance(value, str) else str(value)
 
 
 def to_parquet(rows: list[Row]) -> bytes:

@@ -8,12 +8,13 @@ from pathlib import Path
 
 import numpy as np
 
+from simfield.lanes import TOGETHER
 from studies.block_task import Columns, Draw, compute
 from studies.drawn_trials import image_points
 from studies.machine import processor
 from studies.plan import Plan, look_at
 from studies.store import NOMINAL, Store, StoreError, locked, read_json
-from studies.study import LANES, read_study
+from studies.study import read_study
 
 ELSEWHERE = 1e-9
 """relative difference that another type of processor may make"""
@@ -75,7 +76,7 @@ def _compute_some_again(store: Store, plan: Plan, say: Callable[[str], object], 
         if not plan.trials or not store.shard_path(condition.id, 0).exists():
             continue
         task = plan.task(condition, 0, store.failed(condition.id))
-        task = replace(task, stop=min(task.stop, LANES))
+        task = replace(task, stop=min(task.stop, TOGETHER))
         fresh, _, _ = compute(task, draw)
         kept = store.read_shard(condition.id, 0, plan.study.trials.block)
         yield from (f"condition {condition.id}: {line}" for line in _compared(fresh, kept, same))

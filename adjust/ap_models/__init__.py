@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import difflib
 from typing import Any
 
 from adjust.ap_models.brown import Brown1971, Brown1976
@@ -20,6 +19,7 @@ from adjust.ap_models.products import Chebyshev, Legendre
 from adjust.ap_models.salmenpera_kilpela import SalmenperaKilpela7
 from adjust.ap_models.schut import Schut14
 from adjust.ap_models.zernike import Zernike
+from simfield.wording import nearest
 
 MODELS: tuple[type[ApModel], ...] = (
     NoModel,
@@ -66,9 +66,7 @@ def _of_catalogue(model_id: str) -> type[ApModel]:
     for model in MODELS:
         if model.id == model_id:
             return model
-    near = difflib.get_close_matches(model_id, names(), n=1)
-    hint = f"did you mean {near[0]!r}?" if near else f"known are {', '.join(names())}"
-    raise KeyError(f"no AP model {model_id!r}, {hint}")
+    raise KeyError(f"no AP model {model_id!r}{nearest(model_id, names())}")
 
 
 __all__ = ["MODELS", "ApModel", "Certainty", "get", "names"]

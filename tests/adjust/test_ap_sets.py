@@ -84,4 +84,4 @@ def test_an_unknown_says_whose_set_it_is_of(ww_world: synthetic.World, ap_by: st
     by = dict.fromkeys(block.images.ids, "mine") if ap_by == "own" else ap_by
     a = adjust_block(block, ap_models.get("optical"), ap_by=by)
     name = a.layout.name(6 * len(block.images))
-    assert name == f"a1 of {owner.format(image=block.images.ids[0])}"
+    assert name == f"a3 of {owner.format(image=block.images.ids[0])}"

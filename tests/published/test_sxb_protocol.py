@@ -7,8 +7,7 @@ import pytest
 from click.testing import CliRunner
 
 from studies.cli import main
-from tests.published.test_sxb import FOLDER, POINT_TOLERANCE_M, STD_TOLERANCE
-from tests.published.test_sxb import expected as expected
+from tests.published.test_sxb import FOLDER, POINT_TOLERANCE_M, STD_TOLERANCE, expected as expected
 
 PIXEL_UM = 6.0
 RMS_TOLERANCE_PX = 0.5e-3

@@ -12,8 +12,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
 from simfield.block import ROLES, Block, Camera, ImageObservations, Images, Points
 from simfield.block_folder import BlockFolderError, read_block, write_block

@@ -6,8 +6,7 @@ import decimal
 import math
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from simfield.degrees import degrees_text, radians_of
 

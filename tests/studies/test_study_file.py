@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import subprocess
 import sys
 import time
@@ -12,7 +13,7 @@ from adjust import ap_models
 from studies import shipped
 from studies.conditions import condition_seed, conditions_of
 from studies.factors import NAMED
-from studies.methods import MODEL_SETTINGS, methods_of, references
+from studies.methods import methods_of, references
 from studies.study import LARGEST_FILE, StudyError, read_study, study_from_text
 from tests.studies.small_study import TEXT, study
 
@@ -182,9 +183,14 @@ def test_methods_are_crossed_and_compared_with_their_reference() -> None:
     assert references(made)["optical, cameras all, with aux, image_um 5"] == "none, cameras all, with aux, image_um 5"
 
 
-def test_the_table_of_models_is_the_catalogue() -> None:
-    known = {name: tuple(ap_models.get(name).settings) for name in MODEL_SETTINGS}
-    assert known == {name: tuple(settings) for name, settings in MODEL_SETTINGS.items()}
+@pytest.mark.parametrize("name", ap_models.names())
+def test_every_setting_of_every_set_may_stand_in_a_study(name: str) -> None:
+    settings = {key: value for key, value in ap_models.get(name).settings.items() if value is not None}
+    table = ", ".join([f'{{id = "{name}"', *(f"{key} = {json.dumps(value)}" for key, value in settings.items())]) + "}"
+    text = TEXT.replace('"none", "optical"', table)
+    (method,) = methods_of(study_from_text(text))
+    assert method.ap_model() == ap_models.get(name)
+    assert any("unheard_of: unknown setting" in f for f in faults(text.replace("{id = ", "{unheard_of = 1, id = ")))
 
 
 def test_the_shipped_studies_are_without_fault_and_named_as_their_files() -> None:

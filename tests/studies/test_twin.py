@@ -129,7 +129,7 @@ def test_the_twin_is_written(tmp_path):
 
 def test_stages_left_out_and_sets_by_flight_from_the_command_line(tmp_path):
     raw, block, run = str(tmp_path / "raw"), str(tmp_path / "block"), CliRunner()
-    assert set(cli.STAGES) == set(STAGES)
+    assert set(cli.stages()) == set(STAGES)
     lacking = ["--without", "refraction", "--without", "curvature", "--without", "settings"]
     done = run.invoke(main, ["simulate", "rheidt-1980", "--seed", "1", "--raw", *lacking, "-o", raw])
     assert done.exit_code == 0, done.output
