@@ -8,14 +8,12 @@ from functools import cached_property
 
 import numpy as np
 
-from adjust.arithmetic import Arithmetic
-from adjust.normals import SingularError
+from adjust.model import EXTERIOR_NAMES, POINT_NAMES, Unknowns
+from adjust.normals import Arithmetic, Cofactors, SingularError
 from adjust.observations import Observations
-from adjust.one_thread import one_thread
-from adjust.precision import Cofactors
 from adjust.status import Status
-from adjust.unknowns import EXTERIOR_NAMES, POINT_NAMES, Unknowns
 from simfield.block import Block, Floats
+from simfield.numerics import one_thread
 
 Name = tuple[str, str]
 """An unknown: its owner (image, camera or point id) and its name, such as ("ww", "a3") or ("sww-1", "Z0")."""

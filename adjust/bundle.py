@@ -6,25 +6,16 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from adjust import initial
 from adjust.adjustment import Adjustment
-from adjust.ap_models.mauelshagen import NoModel
-from adjust.ap_models.model import ApModel
-from adjust.ap_sets import ApBy, ap_sets
-from adjust.arithmetic import Arithmetic
-from adjust.compiled_normals import Compiled
+from adjust.ap_models import ApModel, NoModel
 from adjust.datum import ByControl, Datum
-from adjust.determinability import judged
-from adjust.either import by_either
-from adjust.further import Group, unknowns_of
-from adjust.normals import Plain
-from adjust.observations import Observations
-from adjust.one_thread import one_thread
-from adjust.solve import Solution, solve
-from adjust.stated import stated_groups
+from adjust.model import ApBy, Unknowns, ap_sets
+from adjust.normals import Arithmetic, Compiled, Plain, by_either
+from adjust.observations import Group, Observations, stated_groups, unknowns_of
+from adjust.solution import Solution, initial, judged, solve
 from adjust.status import Status
-from adjust.unknowns import Unknowns
 from simfield.block import Block, Floats
+from simfield.numerics import one_thread
 
 
 def adjust_block(
@@ -42,8 +33,8 @@ def adjust_block(
     result's `status` says whether the adjustment succeeded; nothing is raised for data that cannot be adjusted. Raises
     KeyError for a mapping without one of the cameras. datum says what ties the block to its frame (adjust.datum), the
     control of the block by default. The further observations of the block are used; observations are other groups
-    (adjust.stations, adjust.ap_priors); ValueError or KeyError for those that do not fit the block or the model. ap_by
-    says whose AP sets there are (adjust.ap_sets): those of cameras, flights, strips or images, or a mapping from image
+    (adjust.observations.stations, adjust.observations.ap_priors); ValueError or KeyError for those that do not fit the block or the model. ap_by
+    says whose AP sets there are (adjust.model.set_owners): those of cameras, flights, strips or images, or a mapping from image
     ids to set ids; ValueError if images of two cameras share one or ids name no flight or strip, KeyError for an image
     that a mapping lacks.
     compiled=False takes the readable arithmetic in plain numpy, with the same result; it is taken in any case where an

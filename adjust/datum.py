@@ -20,15 +20,12 @@ from typing import Protocol
 
 import numpy as np
 
-from adjust import initial
 from adjust.adjustment import Adjustment
-from adjust.ap_models.mauelshagen import NoModel
-from adjust.compiled_normals import Compiled
-from adjust.normals import Plain
+from adjust.ap_models import NoModel
+from adjust.model import Similarity, Unknowns, point_motions, station_motions
+from adjust.normals import Cofactors, Compiled, Plain
 from adjust.observations import ImagePoints, Observations
-from adjust.precision import Cofactors
-from adjust.similarity import Similarity, point_motions, station_motions
-from adjust.unknowns import Unknowns
+from adjust.solution import initial
 from simfield.block import Block, Floats, Indices, Points
 
 MOTIONS = 7

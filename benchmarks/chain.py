@@ -21,14 +21,13 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from adjust import adjust_replicates, ap_models
+from adjust.reductions import Plan, reduce
 from benchmarks.machine import description
 from benchmarks.timing import summary
-from simfield import build_world, presets
+from simfield import World, build_world, presets
 from simfield.chain import Chain, Errors, Marks, chains, prepare
-from simfield.lanes import TOGETHER
-from simfield.simulate import World
-from studies.measured_trials import MeasuredTrials
-from studies.reduction import Plan, reduce
+from simfield.numerics import TOGETHER
+from studies.trials import MeasuredTrials
 
 SCENARIO, SEED, MODEL = "rheidt-1980-film", 1980, "brown14"
 ROUNDS, TRIALS = 15, 1920

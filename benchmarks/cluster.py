@@ -23,8 +23,8 @@ from typing import Any
 import numpy as np
 
 from benchmarks import machine
-from studies import run, shipped
-from studies.plan import Plan
+from studies.design import Plan, shipped
+from studies.run import story as run
 
 LATEST = Path(__file__).parent / "latest_cluster.json"
 LIMIT = 0.10

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from adjust.collinearity import project
+from adjust.model import project
 from simfield.block import Block, Camera, Floats, ImageObservations, Images, Indices, Points
 
 SIZES = {39: (3, 13), 156: (12, 13), 624: (24, 26), 2500: (50, 50)}

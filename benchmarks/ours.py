@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from adjust import Adjustment, adjust_block
-from adjust.replicates import Replicates, adjust_replicates
-from adjust.rotation import rotation_matrices
+from adjust.model import rotation_matrices
+from adjust.trials import Replicates, adjust_replicates
 from benchmarks.problem import Answer, Problem
 from simfield.block import Floats
 

@@ -10,9 +10,8 @@ import numpy as np
 import scipy.sparse
 from scipy.optimize import least_squares
 
+from adjust.model import Unknowns, rotation_matrices
 from adjust.observations import Observations
-from adjust.rotation import rotation_matrices
-from adjust.unknowns import Unknowns
 from benchmarks.problem import Answer, Problem
 from simfield.block import Floats
 

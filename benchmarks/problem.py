@@ -14,14 +14,13 @@ from typing import Protocol
 
 import numpy as np
 
-from adjust import ap_models, initial
+from adjust import ap_models
 from adjust.ap_models import ApModel
+from adjust.model import Unknowns, rotation_matrices
 from adjust.observations import Observations
-from adjust.rotation import rotation_matrices
-from adjust.unknowns import Unknowns
-from simfield import Block, presets
+from adjust.solution import initial
+from simfield import Block, World, build_world, presets
 from simfield.block import Floats
-from simfield.simulate import World, build_world
 
 NONE, IDEAL4, OPTICAL, BROWN14 = "none", "ideal4", "optical", "brown14"
 TO_VISION = np.diag([1.0, -1.0, -1.0])

@@ -19,14 +19,19 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from adjust import Adjustment, adjust_block, ap_models
-from adjust.gross_errors import snoop
-from adjust.model_choice import aic, bic, delete_stepwise, leave_one_image_out
-from adjust.reliability import Reliability
-from adjust.robust import robust
-from adjust.variance import variance_components
+from adjust.quality import (
+    Reliability,
+    aic,
+    bic,
+    delete_stepwise,
+    leave_one_image_out,
+    robust,
+    snoop,
+    variance_components,
+)
 from benchmarks.machine import description
 from simfield import Block, presets, simulate
-from studies import protocol_files
+from studies.protocol import files as protocol_files
 
 OUT = Path(__file__).parent / "quality.json"
 

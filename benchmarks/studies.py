@@ -19,12 +19,14 @@ from typing import Any
 
 import numpy as np
 
-from adjust.replicates import adjust_replicates
+from adjust.trials import adjust_replicates
 from benchmarks import machine
 from simfield import build_world
-from studies import run, shipped, study_report, summary
-from studies.geometry import Geometry, forget
-from studies.plan import Plan
+from studies.design import Plan, shipped
+from studies.pages import study_report
+from studies.run import story as run
+from studies.summary import summary
+from studies.trials import Geometry, forget
 
 LATEST = Path(__file__).parent / "latest_studies.json"
 LIMIT = 0.30

@@ -14,17 +14,33 @@ import numpy as np
 import numpy.typing as npt
 
 from simfield.block import Block, Floats, ImageObservations, Images, Indices, Points
-from simfield.distortion import DrawnFilm, FilmTable, draw_film, measured_from_ideal, systematic
-from simfield.draws import ImageNoise, ImagePointDraws
-from simfield.fields import FieldPoints
-from simfield.flights import FlightPlan, deviation, fly, plan_flights
-from simfield.imaging import ideal_image, inside_format
-from simfield.measurement import CountError, Rays, measured_rays
-from simfield.moving_film import MovingFilm
-from simfield.noise import geodetic_noise, image_noise
+from simfield.disturbances import (
+    DrawnFilm,
+    FilmTable,
+    ImageNoise,
+    ImagePointDraws,
+    MovingFilm,
+    draw_film,
+    geodetic_noise,
+    image_noise,
+    measured_from_ideal,
+    systematic,
+)
+from simfield.random import stream
 from simfield.scenario import Scenario
-from simfield.streams import stream
 from simfield.truth import Truth
+from simfield.world import (
+    CountError,
+    FieldPoints,
+    FlightPlan,
+    Rays,
+    deviation,
+    fly,
+    ideal_image,
+    inside_format,
+    measured_rays,
+    plan_flights,
+)
 
 MOST_FLIGHTS = 20
 """A flight that cannot have given the published counts was not the flight: it is drawn anew, this often."""

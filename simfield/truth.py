@@ -12,10 +12,8 @@ import numpy as np
 import numpy.typing as npt
 
 from simfield.block import Floats, Indices
-from simfield.effects import EFFECTS, EffectOn
-from simfield.folder_columns import TRUTH_FILE
-from simfield.kinds import by_kind
-from simfield.whole_files import settle, write_whole
+from simfield.disturbances import EFFECTS, EffectOn, by_kind
+from simfield.files import TRUTH_FILE, settle, write_whole
 
 ARRAYS: Mapping[str, type[Any]] = {
     "exterior": np.float64,
@@ -86,7 +84,7 @@ class Truth:
         return np.asarray(sum(acting, start=np.zeros_like(xy)))
 
     def to_json(self) -> str:
-        """The truth as JSON. Raises ValueError for an effect that is none of simfield.effects."""
+        """The truth as JSON. Raises ValueError for an effect that is none of simfield.disturbances.effects."""
         plain: dict[str, Any] = {}
         for f in fields(self):
             value = getattr(self, f.name)
@@ -108,7 +106,7 @@ class Truth:
 def write_truth(truth: Truth, path: Path | str) -> None:
     """Write truth.json, at the path or into the folder that it names.
 
-    Raises OSError where it cannot be written, ValueError for an effect that is none of simfield.effects.
+    Raises OSError where it cannot be written, ValueError for an effect that is none of simfield.disturbances.effects.
     """
     path = Path(path)
     write_whole(path / TRUTH_FILE if path.is_dir() else path, truth.to_json().encode())
@@ -128,7 +126,9 @@ def read_truth(path: Path | str) -> Truth:
 
 def _effect_as_table(on: EffectOn) -> dict[str, Any]:
     if not isinstance(on.effect, EFFECTS):
-        raise ValueError(f"{type(on.effect).__name__} is no effect of simfield.effects, truth.json cannot hold it")
+        raise ValueError(
+            f"{type(on.effect).__name__} is no effect of simfield.disturbances.effects, truth.json cannot hold it"
+        )
     return asdict(on)
 
 

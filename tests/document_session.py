@@ -115,8 +115,8 @@ class Session:
         )
 
     def _toml(self, piece: Piece) -> None:
-        from simfield.scenario_file import scenario_from_table
-        from studies.study import study_from_text
+        from simfield.scenario.scenario_file import scenario_from_table
+        from studies.design.study_file import study_from_text
 
         table = tomllib.loads(piece.text)
         if "cameras" in table and "flights" in table:
@@ -157,7 +157,7 @@ class Session:
 
 def options(command: str) -> set[str]:
     """The options of a simfield command."""
-    from studies.cli import main
+    from studies.commands.program import main
 
     return {name for parameter in main.commands[command].params for name in parameter.opts}
 

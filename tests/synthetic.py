@@ -13,8 +13,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from adjust.ap_models import ApModel
-from simfield.block import Block, Camera, Floats, ImageObservations, Images, Points
+from adjust.ap_models.model import ApModel
+from simfield.block.block import Block, Camera, Floats, ImageObservations, Images, Points
 
 WW = Camera("ww", 152.91, 0.012, -0.008, 230.0, 230.0)
 SWW = Camera("sww", 85.43, -0.006, 0.015, 230.0, 230.0)

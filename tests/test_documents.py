@@ -10,8 +10,8 @@ from pathlib import Path
 import pytest
 
 from adjust import adjust_block
-from simfield.block_folder import read_block, write_block
-from simfield.folder_columns import BLOCK as COLUMNS
+from simfield.files.block_folder import read_block, write_block
+from simfield.files.columns import BLOCK as COLUMNS
 from tests.document_session import Piece, Session, pieces
 
 TOP = Path(__file__).parents[1]

@@ -71,7 +71,7 @@ def test_the_public_names_can_be_imported() -> None:
 
 
 def test_the_commands_of_the_readme_exist() -> None:
-    from studies.cli import main
+    from studies.commands.program import main
 
     named = set(re.findall(r"(?:^|`)simfield ([a-z]+)", README.split("\n## ", 1)[1], re.MULTILINE))
     assert named >= {"simulate", "adjust", "run", "reduce"}

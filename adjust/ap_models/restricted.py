@@ -7,7 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from adjust.ap_models.model import ApModel, Certainty, Term
+from adjust.ap_models.model import ApModel, Certainty
+from adjust.ap_models.terms import Term
 from simfield.block import Floats
 
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from adjust.reductions.reduced import Reduced
+from adjust.reductions.reduced_points import Reduced
 from simfield.block import Floats, Indices
 
 MEAN_RADIUS_M = 6371e3

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from adjust.reductions.reduced import Reduced
+from adjust.reductions.reduced_points import Reduced
 from simfield.block import Floats, Indices
 
 

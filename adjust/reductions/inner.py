@@ -15,7 +15,7 @@ from typing import Literal
 
 import numpy as np
 
-from adjust.reductions.reduced import Reduced
+from adjust.reductions.reduced_points import Reduced
 from simfield.block import Floats, Indices
 
 Kind = Literal["helmert", "affine", "bilinear", "projective"]

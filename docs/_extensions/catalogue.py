@@ -7,7 +7,7 @@ from sphinx.application import Sphinx
 from sphinx.util.docutils import SphinxDirective
 
 from adjust.ap_models import MODELS
-from studies.models_page import describe
+from studies.pages import describe
 
 
 class Catalogue(SphinxDirective):

@@ -6,8 +6,7 @@
 # $\nabla_i = \delta_0\,\sigma_i/\sqrt{r_i}$ is noticed with a probability of 80 %.
 
 # %%
-from studies.lessons import drawings, gross_error
-from studies.lessons.picture import picture
+from studies.lessons import drawings, gross_error, picture
 
 for place in gross_error.RAYS:
     for axis in gross_error.AXES:

@@ -6,9 +6,8 @@
 # and count. The share $p$ found in $n$ trials has the Monte-Carlo standard error $\sqrt{p(1-p)/n}$.
 
 # %%
-from studies.lessons import drawings, interval
-from studies.lessons.picture import picture
-from studies.measures import CONFIDENCE
+from studies.comparison import CONFIDENCE
+from studies.lessons import drawings, interval, picture
 
 for model in interval.SETS:
     for quantity in interval.QUANTITIES:

@@ -7,9 +7,7 @@
 # $\sigma_Z = \sqrt2\,(h/b)\,s\,\sigma$.
 
 # %%
-from studies.lessons import drawings, own_block
-from studies.lessons.lesson import LessonError
-from studies.lessons.picture import picture
+from studies.lessons import LessonError, drawings, own_block, picture
 
 for scale in (6000, 10000, 16000):
     for layout in own_block.LAYOUTS:

@@ -8,8 +8,7 @@
 # points: $u = 6m + ak + 3p$ unknowns, $n = 2i$ observations, redundancy $r = n - u$.
 
 # %%
-from studies.lessons import drawings, redundancy
-from studies.lessons.picture import picture
+from studies.lessons import drawings, picture, redundancy
 
 flights = redundancy.alternatives(strips=1)
 for f in flights:

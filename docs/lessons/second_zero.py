@@ -7,8 +7,7 @@
 # $$dx = x\,[a_3(r^2-r_0^2) + a_4(r^4-r_0^4)] + a_5(r^2+2x^2) + a_6\,2xy, \qquad dy \text{ alike}$$
 
 # %%
-from studies.lessons import drawings, second_zero
-from studies.lessons.picture import picture
+from studies.lessons import drawings, picture, second_zero
 
 flights = second_zero.flown("ww", aux_points=False)
 curve = second_zero.curve(flights)

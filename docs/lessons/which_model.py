@@ -6,8 +6,7 @@
 # $\sigma_0 = \sqrt{v^\top P v / r}$ sees, and into orientations and points, which it does not see.
 
 # %%
-from studies.lessons import drawings, which_model
-from studies.lessons.picture import picture
+from studies.lessons import drawings, picture, which_model
 
 for headings in which_model.HEADINGS_GON:
     for truth in which_model.TRUTHS:

@@ -1,24 +1,8 @@
-"""From light to number: air, lens, film, marks and comparator, stage by stage, each to be switched off."""
+"""From light to number: air, lens, film, marks and comparator, stage by stage, each to be switched off.
 
-from simfield.chain.film import RandomField
-from simfield.chain.lens import Lens, RadialCertificate
-from simfield.chain.machine import Comparator, Errors, Marks
-from simfield.chain.measure import Chain, Prepared, prepare
-from simfield.chain.presets import STAGES, chains, without
-from simfield.chain.raw import Raw
+`adjust.reductions` goes the way back.
+"""
 
-__all__ = [
-    "STAGES",
-    "Chain",
-    "Comparator",
-    "Errors",
-    "Lens",
-    "Marks",
-    "Prepared",
-    "RadialCertificate",
-    "RandomField",
-    "Raw",
-    "chains",
-    "prepare",
-    "without",
-]
+import lazy_loader as lazy
+
+__getattr__, __dir__, __all__ = lazy.attach_stub(__name__, __file__)

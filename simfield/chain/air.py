@@ -1,4 +1,4 @@
-"""Refraction and earth curvature, image by image with its own flying height; effects are those of simfield.effects."""
+"""Refraction and earth curvature, image by image with its own flying height; effects are those of simfield.disturbances.effects."""
 
 from __future__ import annotations
 
@@ -7,8 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from simfield.block import Floats, Indices
-from simfield.distortion import measured_from_ideal
-from simfield.effects import EarthCurvature, Refraction
+from simfield.disturbances import EarthCurvature, Refraction, measured_from_ideal
 
 
 @dataclass(frozen=True)

@@ -8,8 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from simfield.block import Floats
-from simfield.distortion import measured_from_ideal
-from simfield.effects import Decentering, RadialTable, along_radius
+from simfield.disturbances import Decentering, RadialTable, along_radius, measured_from_ideal
 
 HALF_DIAGONALS_DEG = (45.0, 135.0, 225.0, 315.0)
 

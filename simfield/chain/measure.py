@@ -16,17 +16,14 @@ from functools import cached_property
 import numpy as np
 import numpy.typing as npt
 
-from simfield.block import Block, Floats, ImageObservations, Indices
+from simfield.block import Block, Floats, ImageObservations, Indices, Raw
 from simfield.chain.air import Air, through_air
-from simfield.chain.film import FieldAt, RandomField, field_at
+from simfield.chain.comparator import Comparator, Errors, Marks
 from simfield.chain.lens import Lens
-from simfield.chain.machine import Comparator, Errors, Marks
-from simfield.chain.raw import Raw
-from simfield.counter_normals import Words, normal_pairs, words
-from simfield.distortion import measured_from_ideal, systematic
-from simfield.effects import FilmAffine, FilmPolynomial, UnflatFilm
+from simfield.chain.random_field import FieldAt, RandomField, field_at
+from simfield.disturbances import FilmAffine, FilmPolynomial, UnflatFilm, measured_from_ideal, systematic
+from simfield.random import Words, counter_key, normal_pairs, stream, words
 from simfield.simulate import World
-from simfield.streams import counter_key, stream
 
 FILM = (FilmAffine, FilmPolynomial, UnflatFilm)
 REACH_MM = 125.0

@@ -7,11 +7,11 @@ from dataclasses import replace
 from types import MappingProxyType
 
 from simfield.chain.air import Air
-from simfield.chain.film import RandomField
+from simfield.chain.comparator import Comparator, Errors, Marks
 from simfield.chain.lens import Lens, RadialCertificate
-from simfield.chain.machine import Comparator, Errors, Marks
 from simfield.chain.measure import Chain
-from simfield.effects import Decentering
+from simfield.chain.random_field import RandomField
+from simfield.disturbances import Decentering
 
 # Half-diagonals of invented curves inside the makers' bounds (Pleogon A 5 um, S-Pleogon A 7 um); certificates of the
 # time give such four curves, but none of these cameras' is at hand. Camera tilt by a window or mount: assumption.

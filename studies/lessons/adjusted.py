@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from adjust import Adjustment, ApModel, adjust_block
-from adjust.one_thread import one_thread
 from simfield import Block, Scenario, World, build_world
 from simfield.block import Floats
+from simfield.numerics import one_thread
 from studies.lessons.lesson import SEED, LessonError
 
 

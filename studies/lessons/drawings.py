@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from simfield.block import Floats
-from studies.canvas import BLACK, BLUE, COLOURS, GREEN, GREY, MARKERS, ORANGE, VERMILION
-from studies.figures import HALF_FORMAT_MM, POINT_UNIT_MM
+from studies.figures import BLACK, BLUE, COLOURS, GREEN, GREY, HALF_FORMAT_MM, MARKERS, ORANGE, POINT_UNIT_MM, VERMILION
 from studies.lessons.gross_error import CRITICAL, SIZE_MOST_UM, Planted
 from studies.lessons.interval import Repeated
 from studies.lessons.own_block import Expected
@@ -21,7 +20,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.collections import PathCollection
 
-    from studies.distortion import VectorField
+    from studies.comparison import VectorField
 
 INTERVALS_SHOWN = 100
 

@@ -13,14 +13,11 @@ import numpy as np
 from scipy.special import ndtr
 
 from adjust import Adjustment, ap_models
-from adjust.gross_errors import snoop
-from adjust.reliability import ALPHA, POWER, Reliability, noncentrality, w_critical
+from adjust.quality import ALPHA, POWER, Reliability, noncentrality, snoop, w_critical
 from simfield import Block, Scenario
 from simfield.block import Floats
-from simfield.cameras import WW
-from simfield.fields import Control, RegularGrid
-from simfield.flights import Flight
-from simfield.noise import Noise
+from simfield.disturbances import Noise
+from simfield.world import WW, Control, Flight, RegularGrid
 from studies.lessons.adjusted import adjusted, observed, world_of
 from studies.lessons.lesson import LessonError
 

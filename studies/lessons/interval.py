@@ -16,14 +16,11 @@ from scipy.special import stdtrit
 from adjust import adjust_replicates, ap_models
 from simfield import Scenario, presets
 from simfield.block import Floats
-from simfield.cameras import WW
-from simfield.fields import Quincunx
-from simfield.flights import Flight
-from simfield.measurement import Measurement
-from simfield.noise import Noise
+from simfield.disturbances import Noise
+from simfield.world import WW, Flight, Measurement, Quincunx
+from studies.comparison import CONFIDENCE
 from studies.lessons.adjusted import adjusted, observed, world_of
 from studies.lessons.lesson import LessonError
-from studies.measures import CONFIDENCE
 
 SETS = ("none", "optical", "torlegard", "brown14")
 QUANTITIES = {

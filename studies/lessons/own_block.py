@@ -16,13 +16,11 @@ import numpy.typing as npt
 from adjust import ap_models
 from simfield import Scenario
 from simfield.block import Floats, Indices
-from simfield.cameras import WW
-from simfield.fields import Control, Layout, RegularGrid
-from simfield.flights import Flight
-from simfield.noise import Noise
+from simfield.disturbances import Noise
+from simfield.world import WW, Control, Flight, Layout, RegularGrid
+from studies.comparison import root_mean_square
 from studies.lessons.adjusted import adjusted, expected_std, observed, world_of
 from studies.lessons.lesson import LessonError
-from studies.measures import root_mean_square
 
 LAYOUTS: dict[str, Layout] = {
     "none": "none",

@@ -14,14 +14,12 @@ import numpy as np
 from adjust import Adjustment, ap_models
 from simfield import Scenario, presets
 from simfield.block import Floats
-from simfield.cameras import WW
-from simfield.fields import Control, GroupSize, Quincunx
-from simfield.flights import Flight
-from simfield.noise import Noise
-from studies import published
+from simfield.disturbances import Noise
+from simfield.world import WW, Control, Flight, GroupSize, Quincunx
+from studies.comparison import root_mean_square
+from studies.experiments import published
 from studies.lessons.adjusted import adjusted, expected_std, observed, world_of
 from studies.lessons.lesson import LessonError
-from studies.measures import root_mean_square
 
 HEADINGS_GON = {1: (0.0,), 2: (0.0, 100.0), 4: (0.0, 100.0, 200.0, 300.0)}
 STRIPS = (1, 2, 3)

@@ -12,14 +12,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from adjust import ap_models
-from adjust.adjustment import correlations
-from adjust.one_thread import one_thread
+from adjust import ap_models, correlations
 from simfield import Block, presets, simulate
 from simfield.block import Floats
+from simfield.numerics import one_thread
+from studies.experiments.mauelshagen_1980 import middle_images, sub_block
 from studies.lessons.adjusted import adjusted
 from studies.lessons.lesson import SEED
-from studies.reproduce_1980.experiment import middle_images, sub_block
 
 CAMERAS = {"ww": "wide angle, RMK A 15/23", "sww": "super-wide angle, RMK A 8.5/23"}
 SECOND_ZEROS_MM = tuple(float(r) for r in range(0, 141, 10))

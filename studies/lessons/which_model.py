@@ -15,15 +15,20 @@ import numpy as np
 from adjust import Adjustment, adjust_replicates, ap_models
 from simfield import Block, Scenario, World
 from simfield.block import Floats
-from simfield.cameras import WW
-from simfield.effects import Decentering, Effect, EffectOn, FilmAffine, FilmPolynomial, RadialPolynomial, UnflatFilm
-from simfield.fields import Quincunx
-from simfield.flights import Flight
-from simfield.noise import Noise
-from studies.distortion import VectorField, format_grid
+from simfield.disturbances import (
+    Decentering,
+    Effect,
+    EffectOn,
+    FilmAffine,
+    FilmPolynomial,
+    Noise,
+    RadialPolynomial,
+    UnflatFilm,
+)
+from simfield.world import WW, Flight, Quincunx
+from studies.comparison import VectorField, format_grid, root_mean_square
 from studies.lessons.adjusted import adjusted, expected_std, observed, world_of
 from studies.lessons.lesson import LessonError
-from studies.measures import root_mean_square
 
 SETS = ("none", "optical", "torlegard", "brown14", "ebner12")
 TRUTHS: dict[str, tuple[Effect, ...]] = {

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from simfield.block import Block, Camera, Floats, ImageObservations, Images, Points
+from simfield.block.block import Block, Camera, Floats, ImageObservations, Images, Points
 from tests.synthetic import rotation
 
 NOMINAL = Camera("slr", 50.0, 0.05, -0.03, 36.0, 24.0)

@@ -14,8 +14,8 @@ import scipy.linalg
 
 from adjust import Adjustment
 from adjust.datum import FreeAdjustment
-from adjust.observations import Observations
-from simfield.block import Floats
+from adjust.observations.observations import Observations
+from simfield.block.block import Floats
 
 SAME = 1e-10
 """agreement with the engine: of redundancy numbers and standardised residuals as they are, of cofactors and effects on

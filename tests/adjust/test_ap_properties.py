@@ -10,9 +10,9 @@ import pytest
 
 from adjust import ap_models
 from adjust.ap_models import properties
-from adjust.ap_models.elhakim_faig import ElHakimFaig11, harmonics
-from adjust.ap_models.model import Term
-from simfield.block import Floats
+from adjust.ap_models.catalogue.elhakim_faig import ElHakimFaig11, harmonics
+from adjust.ap_models.terms import Term
+from simfield.block.block import Floats
 
 ROUNDING = 1e-12
 ONE_PER_CENT = 0.01

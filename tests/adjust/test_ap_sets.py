@@ -9,12 +9,12 @@ import pytest
 from scipy import stats
 
 from adjust import adjust_block, ap_models
-from adjust.ap_sets import CHOICES, ap_sets
-from adjust.significance import finer_sets
+from adjust.model.set_owners import CHOICES, ap_sets
+from adjust.quality.significance import finer_sets
 from simfield import presets, simulate
-from simfield.block import Block, Images
-from simfield.effects import EffectOn, FilmAffine
-from simfield.noise import Noise
+from simfield.block.block import Block, Images
+from simfield.disturbances.effects import EffectOn, FilmAffine
+from simfield.disturbances.noise import Noise
 from tests import synthetic
 
 MODEL = ap_models.get("torlegard")

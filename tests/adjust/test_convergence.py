@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from adjust import Adjustment, adjust_block, ap_models
-from simfield.block import Floats
+from simfield.block.block import Floats
 from tests import synthetic
 
 SAME_MINIMUM = 1e-8

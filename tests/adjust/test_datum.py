@@ -7,13 +7,13 @@ import pytest
 
 from adjust import Adjustment, Status, adjust_block, ap_models
 from adjust.datum import Datum, FreeAdjustment, InnerConstraints, MinimumControl, free_network
-from adjust.gross_errors import snoop
-from adjust.reliability import Reliability
-from adjust.rotation import rotation_matrices
-from adjust.significance import ap_significance
-from adjust.similarity import Similarity, angles_of
-from adjust.solve import ERROR_LEFT
-from simfield.block import Block
+from adjust.model.rotation import rotation_matrices
+from adjust.model.similarity import Similarity, angles_of
+from adjust.quality.gross_errors import snoop
+from adjust.quality.reliability import Reliability
+from adjust.quality.significance import ap_significance
+from adjust.solution.iteration import ERROR_LEFT
+from simfield.block.block import Block
 from tests import synthetic
 from tests.adjust import dense
 

@@ -7,12 +7,13 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from adjust import ap_models, initial
-from adjust.collinearity import linearise, project
-from adjust.observations import Observations
-from adjust.rotation import rotation_derivatives, rotation_matrices
-from adjust.unknowns import Unknowns
-from simfield.block import Floats
+from adjust import ap_models
+from adjust.model.collinearity import linearise, project
+from adjust.model.rotation import rotation_derivatives, rotation_matrices
+from adjust.model.unknowns import Unknowns
+from adjust.observations.observations import Observations
+from adjust.solution import initial
+from simfield.block.block import Floats
 from tests import synthetic
 from tests.adjust import dense
 

@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 
 from adjust import Adjustment, Status, adjust_block
-from adjust.ap_models import ApModel
-from adjust.ap_models.model import Certainty, Term
+from adjust.ap_models.model import ApModel, Certainty
+from adjust.ap_models.terms import Term
 from adjust.status import CHECK_START
-from simfield.block import Block, Floats, ImageObservations
+from simfield.block.block import Block, Floats, ImageObservations
 from tests import synthetic
 
 NAN = float("nan")

@@ -8,15 +8,15 @@ import numpy as np
 import pytest
 
 from adjust import Adjustment, Status, adjust_block, ap_models
-from adjust.ap_priors import ApPriors
 from adjust.datum import InnerConstraints
-from adjust.further import Group
-from adjust.gross_errors import snoop
-from adjust.normals import Plain
-from adjust.reliability import Reliability
-from adjust.solve import ERROR_LEFT
-from adjust.stations import StationAttitudes, StationPositions
-from adjust.variance import groups_by_camera, variance_components
+from adjust.normals.normals import Plain
+from adjust.observations.ap_priors import ApPriors
+from adjust.observations.group import Group
+from adjust.observations.stations import StationAttitudes, StationPositions
+from adjust.quality.gross_errors import snoop
+from adjust.quality.reliability import Reliability
+from adjust.quality.variance import groups_by_camera, variance_components
+from adjust.solution.iteration import ERROR_LEFT
 from tests import synthetic
 from tests.adjust import dense
 

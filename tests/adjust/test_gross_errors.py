@@ -7,10 +7,10 @@ import pytest
 
 from adjust import Adjustment, adjust_block, ap_models
 from adjust.bundle import reweighted
-from adjust.gross_errors import LEAST_CHECKED, _Search, snoop
-from adjust.reliability import Reliability, familywise, tau_critical, w_critical
-from adjust.robust import Cauchy, Danish, Huber, WeightFunction, robust
-from simfield.block import Floats
+from adjust.quality.gross_errors import LEAST_CHECKED, _Search, snoop
+from adjust.quality.reliability import Reliability, familywise, tau_critical, w_critical
+from adjust.quality.robust_estimation import Cauchy, Danish, Huber, WeightFunction, robust
+from simfield.block.block import Floats
 from tests import synthetic
 from tests.adjust import dense
 

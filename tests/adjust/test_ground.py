@@ -8,14 +8,14 @@ import numpy as np
 import pytest
 
 from adjust import Adjustment, Status, adjust_block, ap_models
-from adjust.further import Group
-from adjust.gross_errors import snoop
-from adjust.ground import Distances, HeightDifferences
-from adjust.reliability import Reliability
-from adjust.significance import ap_significance
-from adjust.solve import ERROR_LEFT
-from adjust.stations import StationPositions
-from adjust.variance import variance_components
+from adjust.observations.ground import Distances, HeightDifferences
+from adjust.observations.group import Group
+from adjust.observations.stations import StationPositions
+from adjust.quality.gross_errors import snoop
+from adjust.quality.reliability import Reliability
+from adjust.quality.significance import ap_significance
+from adjust.quality.variance import variance_components
+from adjust.solution.iteration import ERROR_LEFT
 from tests import synthetic
 from tests.adjust import dense
 

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from adjust import Status, adjust_block, ap_models
-from adjust.determinability import LEAST_SHARE, shares
-from adjust.observations import Observations
-from adjust.replicates import adjust_replicates
-from adjust.trials import GAUSS_NEWTON
-from adjust.unknowns import Unknowns
-from simfield.block import Floats
+from adjust.model.unknowns import Unknowns
+from adjust.observations.observations import Observations
+from adjust.solution.determinability import LEAST_SHARE, shares
+from adjust.trials.replicates import adjust_replicates
+from adjust.trials.solved import GAUSS_NEWTON
+from simfield.block.block import Floats
 from tests.adjust.close_range import LENS, NOMINAL, CloseRange, close_range
 from tests.synthetic import QUARTERS, WW, fly, quincunx, world
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from adjust import Status, adjust_block, ap_models
-from simfield.block import Block, Camera, ImageObservations, Images, Points
+from simfield.block.block import Block, Camera, ImageObservations, Images, Points
 from tests import synthetic
 
 MODEL = ap_models.get("optical")

@@ -12,9 +12,9 @@ import pytest
 from click.testing import CliRunner
 
 from adjust import ApModel, adjust_block, ap_models
-from adjust.replicates import adjust_replicates
+from adjust.trials.replicates import adjust_replicates
 from simfield import build_world, presets, write_block
-from studies.cli import main
+from studies.commands.program import main
 
 DOCUMENT = Path(__file__).parents[2] / "docs" / "own-models.md"
 CODE = re.findall(
@@ -93,7 +93,7 @@ ap = ["none", {id = "spiral.py:Spiral", scale_mm = 90}]
 def test_it_works_in_a_study(folder: Path, jobs: str) -> None:
     (folder / "study.toml").write_text(STUDY, encoding="utf-8")
     command = ["run", "study.toml", "--trials", "64", "--jobs", jobs, "--out", "results"]
-    program = [sys.executable, "-c", "from studies.cli import main; main()"]
+    program = [sys.executable, "-c", "from studies.commands.program import main; main()"]
     run = subprocess.run([*program, *command], cwd=folder, capture_output=True, text=True, timeout=300)
     assert run.returncode == 0, run.stderr
     table = (folder / "results" / "summary.csv").read_text(encoding="utf-8").splitlines()

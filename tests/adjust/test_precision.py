@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from adjust import Adjustment, adjust_block, ap_models
-from simfield.block import Block, Floats, ImageObservations, Points
+from simfield.block.block import Block, Floats, ImageObservations, Points
 from tests import synthetic
 from tests.adjust import dense
 
@@ -73,7 +73,7 @@ class TestCovariance:
     def test_it_is_marginal(self, adjusted: Adjustment) -> None:
         """Fixing the orientations would make the parameters look better than they are."""
         at = slice(6 * len(adjusted.block.images), adjusted.layout.orientation)
-        from adjust.normals import assemble
+        from adjust.normals.normals import assemble
 
         conditional = 1.0 / np.sqrt(np.diag(assemble(adjusted.groups, adjusted.x).ee)[at])
         assert (adjusted.std[at] > 1.5 * adjusted.sigma0 * conditional).all()

@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 
 from adjust import adjust_block, ap_models
-from adjust.ap_models import ApModel
-from simfield.block import Floats
+from adjust.ap_models.model import ApModel
+from simfield.block.block import Floats
 from tests import synthetic
 
 RECOVERY = 1e-9

@@ -9,9 +9,9 @@ import pytest
 import scipy.stats
 
 from adjust import Adjustment, adjust_block, ap_models
-from adjust.reliability import Reliability, familywise, noncentrality, tau_critical, w_critical
+from adjust.quality.reliability import Reliability, familywise, noncentrality, tau_critical, w_critical
 from simfield import presets, simulate
-from simfield.block import Block, Floats
+from simfield.block.block import Block, Floats
 from tests import synthetic
 from tests.adjust import dense
 

@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 from adjust import ApModel, Status, adjust_block, ap_models
-from adjust.replicates import Replicates, adjust_prepared, adjust_replicates, prepared
+from adjust.trials.replicates import Replicates, adjust_prepared, adjust_replicates, prepared
 from simfield import build_world, presets
-from simfield.block import Block, Floats, Points
-from simfield.lanes import Arena
+from simfield.block.block import Block, Floats, Points
+from simfield.numerics.arena import Arena
 from tests import synthetic
 
 SAME_MINIMUM = 1e-8
@@ -135,7 +135,7 @@ def names(block: Block) -> list[tuple[str, str]]:
 
 
 def only(block: Block, pairs: set[tuple[str, str]]) -> Block:
-    from simfield.block import ImageObservations
+    from simfield.block.block import ImageObservations
 
     kept = np.array([pair in pairs for pair in names(block)])
     o = block.observations

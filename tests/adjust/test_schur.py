@@ -7,15 +7,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from adjust import Status, adjust_block, ap_models, initial
-from adjust.band_factor import BandFactor
-from adjust.compiled_normals import Compiled
-from adjust.normals import Plain
-from adjust.observations import Observations
-from adjust.precision import Cofactors
-from adjust.solve import ERROR_LEFT
-from adjust.unknowns import Unknowns
-from simfield.block import Block, ImageObservations, Images
+from adjust import Status, adjust_block, ap_models
+from adjust.model.unknowns import Unknowns
+from adjust.normals.band import BandFactor
+from adjust.normals.cofactors import Cofactors
+from adjust.normals.normals import Plain
+from adjust.normals.normals_compiled import Compiled
+from adjust.observations.observations import Observations
+from adjust.solution import initial
+from adjust.solution.iteration import ERROR_LEFT
+from simfield.block.block import Block, ImageObservations, Images
 from tests import synthetic
 from tests.adjust import dense
 

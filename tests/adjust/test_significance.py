@@ -8,10 +8,10 @@ import scipy.stats
 
 from adjust import Adjustment, adjust_block, ap_models
 from adjust.ap_models.restricted import Restricted, without
-from adjust.model_choice import aic, bic, delete_stepwise, leave_one_image_out
-from adjust.significance import ap_significance, f_test, global_test
-from adjust.traced_terms import Trace
-from simfield.block import Block, Points
+from adjust.quality.model_choice import aic, bic, delete_stepwise, leave_one_image_out
+from adjust.quality.significance import ap_significance, f_test, global_test
+from adjust.trials.traced_terms import Trace
+from simfield.block.block import Block, Points
 from tests import synthetic
 from tests.adjust import dense
 

@@ -8,15 +8,15 @@ import numpy as np
 import pytest
 
 from adjust import Adjustment, Status, adjust_block, adjust_replicates, ap_models
-from adjust.ap_priors import ApPriors
 from adjust.datum import InnerConstraints, MinimumControl
-from adjust.ground import Distances, HeightDifferences
-from adjust.model_choice import delete_stepwise
-from adjust.reliability import Reliability
-from adjust.stations import StationAttitudes, StationPositions
-from adjust.variance import groups_by_camera
-from simfield.block import Block
-from simfield.further import Further, Lines, Priors, Stations, Strips
+from adjust.observations.ap_priors import ApPriors
+from adjust.observations.ground import Distances, HeightDifferences
+from adjust.observations.stations import StationAttitudes, StationPositions
+from adjust.quality.model_choice import delete_stepwise
+from adjust.quality.reliability import Reliability
+from adjust.quality.variance import groups_by_camera
+from simfield.block.block import Block
+from simfield.block.further import Further, Lines, Priors, Stations, Strips
 from tests import synthetic
 from tests.adjust import dense
 

@@ -9,12 +9,15 @@ from typing import ClassVar
 import numpy as np
 import pytest
 
-from adjust import ap_models, kernels
-from adjust.ap_models import MODELS, ApModel, Certainty, properties
-from adjust.ap_models.model import Term
-from adjust.traced_terms import Trace, UntraceableError, compile_gradient
-from simfield import lanes
-from simfield.block import Floats
+from adjust import ap_models
+from adjust.ap_models import properties
+from adjust.ap_models.lookup import MODELS
+from adjust.ap_models.model import ApModel, Certainty
+from adjust.ap_models.terms import Term
+from adjust.trials import gradient_compiled as kernels
+from adjust.trials.traced_terms import Trace, UntraceableError, compile_gradient
+from simfield.block.block import Floats
+from simfield.numerics import lanes
 
 AGREEMENT = 1e-12
 """of the largest value of each term; the forms differ in the order of their operations"""

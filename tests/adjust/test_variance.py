@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from adjust import Adjustment, adjust_block, ap_models
-from adjust.influence import Influence
-from adjust.variance import _helmert, groups_by_camera, variance_components
-from simfield.block import Block
+from adjust.quality.influence import Influence
+from adjust.quality.variance import _helmert, groups_by_camera, variance_components
+from simfield.block.block import Block
 from tests import synthetic
 from tests.adjust import dense
 from tests.adjust.test_reliability import Textbook

@@ -11,13 +11,13 @@ import pytest
 
 from adjust import Adjustment, adjust_block, ap_models
 from adjust.datum import MinimumControl
-from adjust.further import Group, Linear, Name
-from adjust.gross_errors import snoop
-from adjust.normals import Plain
-from adjust.robust import robust
-from adjust.unknowns import Unknowns
-from adjust.variance import groups_by_camera, variance_components
-from simfield.block import Block, Floats, Indices
+from adjust.model.unknowns import Unknowns
+from adjust.normals.normals import Plain
+from adjust.observations.group import Group, Linear, Name
+from adjust.quality.gross_errors import snoop
+from adjust.quality.robust_estimation import robust
+from adjust.quality.variance import groups_by_camera, variance_components
+from simfield.block.block import Block, Floats, Indices
 from tests import synthetic
 
 MODEL = ap_models.get("optical")

@@ -9,13 +9,16 @@ import pytest
 from hypothesis import HealthCheck, given, settings, strategies as st
 
 from adjust import reductions
+from adjust.reductions.reduction import Plan, reduce
 from simfield import build_world, presets
-from simfield.chain import Chain, Comparator, Lens, Marks, RadialCertificate, chains, prepare
 from simfield.chain.air import Air
-from simfield.distortion import FilmVariation
-from simfield.effects import Decentering
-from simfield.noise import Noise
-from studies.reduction import Plan, reduce
+from simfield.chain.comparator import Comparator, Marks
+from simfield.chain.lens import Lens, RadialCertificate
+from simfield.chain.measure import Chain, prepare
+from simfield.chain.presets import chains
+from simfield.disturbances.effects import Decentering
+from simfield.disturbances.film import FilmVariation
+from simfield.disturbances.noise import Noise
 
 EXACT_MM = 1e-9
 RADII = (0.0, 30.0, 60.0, 90.0, 120.0, 165.0)

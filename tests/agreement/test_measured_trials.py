@@ -10,14 +10,19 @@ import pytest
 from hypothesis import HealthCheck, given, settings, strategies as st
 
 from adjust import adjust_replicates, ap_models
-from adjust.reductions.compiled_inner import KINDS
+from adjust.reductions.inner_compiled import KINDS
+from adjust.reductions.reduction import Plan, reduce
 from simfield import build_world, presets
-from simfield.chain import Chain, Comparator, Errors, Lens, Marks, RandomField, chains, prepare
 from simfield.chain.air import Air
-from simfield.distortion import DistortionError, FilmVariation
-from simfield.effects import Decentering, EffectOn, FilmAffine, FilmPolynomial, UnflatFilm
-from studies.measured_trials import MeasuredTrials
-from studies.reduction import Plan, reduce
+from simfield.chain.comparator import Comparator, Errors, Marks
+from simfield.chain.lens import Lens
+from simfield.chain.measure import Chain, prepare
+from simfield.chain.presets import chains
+from simfield.chain.random_field import RandomField
+from simfield.disturbances.distortion import DistortionError
+from simfield.disturbances.effects import Decentering, EffectOn, FilmAffine, FilmPolynomial, UnflatFilm
+from simfield.disturbances.film import FilmVariation
+from studies.trials.measured_trials import MeasuredTrials
 
 AGREES_MM = 1e-9
 FIRST = 21

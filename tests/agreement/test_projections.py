@@ -8,11 +8,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from adjust.collinearity import project
-from adjust.rotation import rotation_matrices
-from simfield.block import Floats
-from simfield.cameras import CameraModel
-from simfield.imaging import ideal_image
+from adjust.model.collinearity import project
+from adjust.model.rotation import rotation_matrices
+from simfield.block.block import Floats
+from simfield.world.cameras import CameraModel
+from simfield.world.imaging import ideal_image
 from tests import synthetic
 
 AGREEMENT_MM = 1e-9

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from adjust import ApModel, Status, adjust_block, ap_models
-from adjust.ap_models import MODELS
+from adjust.ap_models.lookup import MODELS
 from simfield import presets, simulate
-from simfield.block import Block
+from simfield.block.block import Block
 
 REFUSED = {"rheidt-1980": {"brown1971": "dc", "brown1976": "a21"}, "ziemann-rheidt": {}, "ziemann-jamijarvi": {}}
 """by block and set, the parameter that the block does not determine: on the blocks of 1982 all points are control held

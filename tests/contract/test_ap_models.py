@@ -9,7 +9,9 @@ import numpy as np
 import pytest
 
 from adjust import ap_models
-from adjust.ap_models import MODELS, ApModel, Certainty, properties
+from adjust.ap_models import properties
+from adjust.ap_models.lookup import MODELS
+from adjust.ap_models.model import ApModel, Certainty
 
 EXPECTED = {
     "none": 0,

@@ -20,7 +20,7 @@ import pytest
 import adjust
 import simfield
 from adjust import ap_models
-from simfield import block as block_tables
+from simfield.block import block as block_tables
 
 ARRAYS = ("Floats", "Indices", "NDArray", "ImagePointTrials")
 WITH_UNITS = ("Floats", "ImagePointTrials")
@@ -52,10 +52,10 @@ RAISED = {
 
 SOURCES = {
     "simfield.simulate": "docs/conventions.md",
-    "simfield.block.Images": "docs/conventions.md",
+    "simfield.block.block.Images": "docs/conventions.md",
     "adjust.adjust_block": "Triggs",
     "adjust.Adjustment": "docs/conventions.md",
-    "adjust.adjust_replicates": "adjust.chord",
+    "adjust.adjust_replicates": "adjust.trials.chord",
     "adjust.ApModel": "source",
 }
 """names that stand for a formula or a convention, and what their docstring or that of their module refers to"""
@@ -80,7 +80,7 @@ def public_names() -> Iterator[Name]:
         for name in module.__all__:
             yield from with_attributes(f"{module.__name__}.{name}", getattr(module, name))
     for name in ("Camera", "Images", "Points", "ImageObservations", "BlockError"):
-        yield from with_attributes(f"simfield.block.{name}", getattr(block_tables, name))
+        yield from with_attributes(f"simfield.block.block.{name}", getattr(block_tables, name))
 
 
 def with_attributes(path: str, of: Any) -> Iterator[Name]:

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
-from studies.cli import main
+from studies.commands.program import main
 
 FOLDER = Path(os.environ.get("SIMFIELD_SXB", Path(__file__).resolve().parents[2].parent / "shared" / "data" / "sxb"))
 POSITION_TOLERANCE_M = 1e-3

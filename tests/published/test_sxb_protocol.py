@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
-from studies.cli import main
+from studies.commands.program import main
 from tests.published.test_sxb import FOLDER, POINT_TOLERANCE_M, STD_TOLERANCE, expected as expected
 
 PIXEL_UM = 6.0

@@ -17,16 +17,17 @@ from pathlib import Path
 
 import pytest
 
-from studies.plan import Plan, joined, look_at
-from studies.store import Store
+from studies.design.plan import Plan
+from studies.store.look import joined, look_at
+from studies.store.store import Store
 from tests.reliability import traps
 from tests.studies.small_study import TEXT, contents, run_here, study
 
 TOP = Path(__file__).parents[2]
 RUN = (
     "import sys; from pathlib import Path\n"
-    "from studies.run import How, run\n"
-    "from studies.study import read_study\n"
+    "from studies.run.story import How, run\n"
+    "from studies.design.study import read_study\n"
     "from tests.reliability import traps\n"
     "def main():\n"
     "    run(read_study(sys.argv[1]), Path(sys.argv[2]), How(jobs=int(sys.argv[3]), draw=traps.slow), print)\n"
@@ -200,7 +201,7 @@ def test_a_signal_ends_the_command_soon_and_it_says_how_to_go_on(
 ) -> None:
     (tmp_path / "small.toml").write_text(TEXT.replace("max = 96", "max = 200000"), encoding="utf-8")
     process = subprocess.Popen(
-        [sys.executable, "-c", "from studies.cli import main; main()", "run", str(tmp_path / "small.toml"),
+        [sys.executable, "-c", "from studies.commands.program import main; main()", "run", str(tmp_path / "small.toml"),
          "--out", str(tmp_path / "store"), "--jobs", "2"],
         cwd=TOP, start_new_session=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
     )  # fmt: skip

@@ -11,8 +11,8 @@ from typing import Any
 import pytest
 from click.testing import CliRunner
 
-from studies.cli import main
-from studies.verify import verify
+from studies.commands.program import main
+from studies.run.verification import verify
 from tests.studies.small_study import TEXT, contents, run_here, study
 
 SMALL = (("max = 96", "max = 40"), ("[3.0, 6.0]", "[3.0]"), ('["none", "optical"]', '["none"]'))
@@ -39,14 +39,14 @@ class FailingDisk:
 @pytest.fixture(autouse=True)
 def _no_figures(monkeypatch: pytest.MonkeyPatch) -> None:
     """Figures are matplotlib's to write; everything else goes through whole_files."""
-    monkeypatch.setattr("studies.study_report._draw", lambda *arguments: [])
+    monkeypatch.setattr("studies.pages.study_report._draw", lambda *arguments: [])
 
 
 @pytest.fixture(scope="module")
 def undisturbed(tmp_path_factory: pytest.TempPathFactory) -> dict[str, bytes]:
     folder: Path = tmp_path_factory.mktemp("undisturbed")
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("studies.study_report._draw", lambda *arguments: [])
+        patch.setattr("studies.pages.study_report._draw", lambda *arguments: [])
         run_here(folder, study(TEXT, *SMALL))
     return contents(folder)
 

@@ -11,15 +11,16 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
-from studies import geometry
-from studies.backends import BackendError
-from studies.plan import Plan, joined
-from studies.store import Store
-from studies.study import Study
+from studies.design.plan import Plan
+from studies.design.study import Study
+from studies.run.backends import BackendError
+from studies.store.look import joined
+from studies.store.store import Store
+from studies.trials import geometry
 from tests.studies.small_study import TEXT, contents, run_here, study
 
 TOP = Path(__file__).parents[2]
-RUN = "from studies.cli import main; main()"
+RUN = "from studies.commands.program import main; main()"
 ESCAPE = "\x1b"
 NARROWEST = 50
 """click breaks its pages at no fewer columns; a narrower terminal wraps them"""
@@ -53,7 +54,7 @@ def test_a_worker_that_is_told_to_give_memory_back_keeps_it() -> None:
     code = """if True:
         import resource, sys
         import numpy as np
-        from studies.worker import prepare
+        from studies.run.worker import prepare
         if sys.argv[1] == "prepared":
             prepare()
         faults = lambda: resource.getrusage(resource.RUSAGE_SELF).ru_minflt

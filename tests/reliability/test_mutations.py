@@ -8,8 +8,9 @@ from collections.abc import Callable
 
 import pytest
 
-from studies import shipped
-from studies.study import StudyError, read_study, study_from_text
+from studies.design import shipped
+from studies.design.study import StudyError
+from studies.design.study_file import read_study, study_from_text
 from tests.studies.small_study import TEXT
 
 SEEDS = (TEXT, *((shipped.FOLDER / f"{name}.toml").read_text(encoding="utf-8") for name in shipped.names()))

@@ -11,10 +11,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from studies.plan import Plan, look_at
-from studies.shards import DamageError, decode, encode
-from studies.store import NOMINAL, LockedError, Store, StoreError, locked
-from studies.verify import verify
+from studies.design.plan import Plan
+from studies.run.verification import verify
+from studies.store.look import look_at
+from studies.store.shards import DamageError, decode, encode
+from studies.store.store import NOMINAL, LockedError, Store, StoreError, locked
 from tests.studies.small_study import contents, run_here, study
 
 

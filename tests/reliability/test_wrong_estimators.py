@@ -12,11 +12,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from adjust import replicates
 from adjust.adjustment import Adjustment
-from adjust.chord import Chord
-from adjust.replicates import Replicates
-from studies import geometry
+from adjust.trials import replicates
+from adjust.trials.chord import Chord
+from adjust.trials.replicates import Replicates
+from studies.trials import geometry
 from tests.studies.small_study import TEXT, run_here, study
 
 TRIALS = 960

@@ -7,9 +7,9 @@ import signal
 import time
 from collections.abc import Sequence
 
-from simfield.block import Floats
+from simfield.block.block import Floats
 from simfield.simulate import World
-from studies.drawn_trials import image_points
+from studies.trials.drawn_trials import image_points
 
 KILLER = 41
 SLEEPER = 70

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from simfield.block import Block, BlockError, Camera, ImageObservations, Images, Points
+from simfield.block.block import Block, BlockError, Camera, ImageObservations, Images, Points
 
 CAMERA = Camera("ww", 153.0, 0.01, -0.02, 230.0, 230.0)
 NAN, INF = np.nan, np.inf

@@ -14,8 +14,8 @@ import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
 
-from simfield.block import ROLES, Block, Camera, ImageObservations, Images, Points
-from simfield.block_folder import BlockFolderError, read_block, write_block
+from simfield.block.block import ROLES, Block, Camera, ImageObservations, Images, Points
+from simfield.files.block_folder import BlockFolderError, read_block, write_block
 
 FILES = {
     "cameras.csv": "camera_id,c_mm,x0_mm,y0_mm,width_mm,height_mm\nww,153.0,0.01,-0.02,230.0,230.0\n",

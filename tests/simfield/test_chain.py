@@ -8,20 +8,12 @@ import numpy as np
 import pytest
 
 from simfield import build_world, presets
-from simfield.chain import (
-    STAGES,
-    Chain,
-    Comparator,
-    Errors,
-    Marks,
-    RadialCertificate,
-    RandomField,
-    chains,
-    prepare,
-    without,
-)
-from simfield.chain.film import field_at
-from simfield.noise import Noise
+from simfield.chain.comparator import Comparator, Errors, Marks
+from simfield.chain.lens import RadialCertificate
+from simfield.chain.measure import Chain, prepare
+from simfield.chain.presets import STAGES, chains, without
+from simfield.chain.random_field import RandomField, field_at
+from simfield.disturbances.noise import Noise
 
 QUIET = replace(presets["rheidt-1980"], effects=(), noise=Noise(image_um=0.0, assumed_um=5.0))
 STANDARD_ERRORS = 4.0

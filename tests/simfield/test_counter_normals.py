@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from simfield import compiled_draws
-from simfield.counter_normals import _logarithm, _sine_and_cosine, normal_pairs, philox
+from simfield.random import counter_normals_compiled as compiled_draws
+from simfield.random.counter_normals import _logarithm, _sine_and_cosine, normal_pairs, philox
 
 TRUNCATION = 1e-12
 """the polynomials against the library: the terms left out"""

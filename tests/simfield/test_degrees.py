@@ -8,7 +8,7 @@ import math
 import pytest
 from hypothesis import given, strategies as st
 
-from simfield.degrees import degrees_text, radians_of
+from simfield.files.degrees import degrees_text, radians_of
 
 
 @given(st.floats(allow_nan=False, allow_infinity=False))

@@ -5,10 +5,11 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
-from simfield.cameras import SWW, WW
-from simfield.distortion import DistortionError, FilmVariation, draw_film, measured_from_ideal, systematic
-from simfield.effects import EffectOn, FilmAffine
-from simfield.flights import Flight, plan_flights
+from simfield.disturbances.distortion import DistortionError, measured_from_ideal, systematic
+from simfield.disturbances.effects import EffectOn, FilmAffine
+from simfield.disturbances.film import FilmVariation, draw_film
+from simfield.world.cameras import SWW, WW
+from simfield.world.flights import Flight, plan_flights
 
 EXACT_MM = 1e-13
 """A few units in the last place of 100 mm."""

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from simfield.effects import (
+from simfield.disturbances.effects import (
     EFFECTS,
     Decentering,
     EarthCurvature,

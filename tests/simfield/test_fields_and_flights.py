@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from simfield.cameras import SWW, WW
-from simfield.fields import Control, Quincunx, RegularGrid, Relief
-from simfield.flights import Flight, fly, looking, plan_flights
-from simfield.imaging import attitude_quaternion, ideal_image, into_camera_frame
+from simfield.world.cameras import SWW, WW
+from simfield.world.fields import Control, Quincunx, RegularGrid, Relief
+from simfield.world.flights import Flight, fly, looking, plan_flights
+from simfield.world.imaging import attitude_quaternion, ideal_image, into_camera_frame
 
 
 def test_the_rheidt_field_has_starks_numbers():

@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
 
-from simfield.block import Block
-from simfield.block_folder import BlockFolderError, read_block, write_block
-from simfield.further import ANGLE_MOST, Further, Lines, Priors, Stations, Strips
+from simfield.block.block import Block
+from simfield.block.further import ANGLE_MOST, Further, Lines, Priors, Stations, Strips
+from simfield.files.block_folder import BlockFolderError, read_block, write_block
 from tests.simfield.test_block_folder import FILES, bits
 
 FURTHER = {

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from simfield.cameras import SWW, WW, CameraModel
-from simfield.imaging import attitude_quaternion, ideal_image, inside_format, into_camera_frame
+from simfield.world.cameras import SWW, WW, CameraModel
+from simfield.world.imaging import attitude_quaternion, ideal_image, inside_format, into_camera_frame
 
 ROUNDING_MM = 1e-9
 """Two formulas in double precision, with 1e3 m in the numbers and image coordinates up to metres."""

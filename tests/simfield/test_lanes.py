@@ -8,12 +8,14 @@ import numba
 import numpy as np
 import pytest
 
-import simfield.lanes_compiled  # noqa: F401  lanes for numba
-from adjust import ap_models, kernels
-from adjust.rotation import rotation_matrices
-from adjust.traced_terms import compile_gradient
-from simfield import lanes
-from simfield.lanes import WIDTH, Arena, load, store
+import simfield.numerics.lanes_compiled  # noqa: F401  lanes for numba
+from adjust import ap_models
+from adjust.model.rotation import rotation_matrices
+from adjust.trials import gradient_compiled as kernels
+from adjust.trials.traced_terms import compile_gradient
+from simfield.numerics import lanes
+from simfield.numerics.arena import Arena
+from simfield.numerics.lanes import WIDTH, load, store
 
 FUSED = 4 * np.finfo(float).eps
 """of results near 1: a product and a sum may be fused"""

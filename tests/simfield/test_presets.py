@@ -3,7 +3,7 @@
 import pytest
 
 from simfield import build_world, changed, presets, simulate
-from simfield.measurement import CountError
+from simfield.world.measurement import CountError
 
 RHEIDT = presets["rheidt-1980"]
 CAMERAS = {"sww": ["sww"], "ww": ["ww"], "sww+ww": ["sww", "ww"]}

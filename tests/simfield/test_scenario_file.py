@@ -6,9 +6,9 @@ import sys
 import pytest
 
 from simfield import changed, presets, read_scenario, simulate
-from simfield.effects import RadialTable
-from simfield.scenario import ScenarioError
-from simfield.scenario_file import scenario_as_table, scenario_from_table
+from simfield.disturbances.effects import RadialTable
+from simfield.scenario.scenario import ScenarioError
+from simfield.scenario.scenario_file import scenario_as_table, scenario_from_table
 
 RHEIDT = presets["rheidt-1980"]
 

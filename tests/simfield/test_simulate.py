@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from simfield import build_world, changed, presets, simulate
-from simfield.distortion import FilmVariation
-from simfield.noise import Noise
-from simfield.scenario import ScenarioError
+from simfield.disturbances.film import FilmVariation
+from simfield.disturbances.noise import Noise
+from simfield.scenario.scenario import ScenarioError
 
 RHEIDT = presets["rheidt-1980"]
 WITH_FILM = presets["rheidt-1980-film"]
@@ -203,6 +203,6 @@ def test_a_scenario_that_contradicts_itself_is_refused(make, reason):
 
 
 def _flights(scenario):
-    from simfield.scenario_file import scenario_as_table
+    from simfield.scenario.scenario_file import scenario_as_table
 
     return scenario_as_table(scenario)["flights"]

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from simfield import Truth, presets, read_truth, simulate, write_truth
-from simfield.effects import EffectOn, RadialTable
+from simfield.disturbances.effects import EffectOn, RadialTable
 
 
 @dataclass(frozen=True)

@@ -15,12 +15,13 @@ import pytest
 from click.testing import CliRunner
 
 from simfield import Block, build_world, presets, read_block, read_truth, simulate, write_block, write_truth
-from simfield.chain import chains, prepare, without
-from simfield.folder_columns import ALL_FILES, FURTHER
-from simfield.further import Further, Lines, Priors, Stations, Strips
-from simfield.raw_folder import read_raw, write_raw
-from simfield.whole_files import NEW, settle, whole_folder, write_set
-from studies.cli import main
+from simfield.block.further import Further, Lines, Priors, Stations, Strips
+from simfield.chain.measure import prepare
+from simfield.chain.presets import chains, without
+from simfield.files.columns import ALL_FILES, FURTHER
+from simfield.files.raw_folder import read_raw, write_raw
+from simfield.files.whole_files import NEW, settle, whole_folder, write_set
+from studies.commands.program import main
 
 OLD = {"a.csv": b"old a", "b.csv": b"old b", "c.csv": b"old c"}
 FRESH = {"a.csv": b"new a", "b.csv": b"new b", "d.csv": b"new d"}

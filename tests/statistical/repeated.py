@@ -8,10 +8,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from adjust import Adjustment, ApModel, adjust_block
-from adjust.observations import Observations
-from adjust.reliability import Reliability
-from adjust.replicates import adjust_replicates
-from simfield.block import Block, Floats
+from adjust.observations.observations import Observations
+from adjust.quality.reliability import Reliability
+from adjust.trials.replicates import adjust_replicates
+from simfield.block.block import Block, Floats
 
 STANDARD_ERRORS = 3.0
 

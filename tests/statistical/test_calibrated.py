@@ -15,8 +15,8 @@ import scipy.stats
 
 from adjust import adjust_block, ap_models
 from simfield import build_world, presets
-from simfield.block import Block, Floats
-from simfield.noise import Noise
+from simfield.block.block import Block, Floats
+from simfield.disturbances.noise import Noise
 from tests import synthetic
 
 TRIALS = 200

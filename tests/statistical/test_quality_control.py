@@ -10,12 +10,12 @@ import pytest
 import scipy.stats
 
 from adjust import adjust_block, ap_models
-from adjust.gross_errors import snoop
-from adjust.reliability import familywise, noncentrality, tau_critical, w_critical
-from adjust.significance import ap_significance, f_test, global_test
-from adjust.variance import variance_components
+from adjust.quality.gross_errors import snoop
+from adjust.quality.reliability import familywise, noncentrality, tau_critical, w_critical
+from adjust.quality.significance import ap_significance, f_test, global_test
+from adjust.quality.variance import variance_components
 from simfield import presets, simulate
-from simfield.block import Floats
+from simfield.block.block import Floats
 from tests import synthetic
 from tests.adjust.test_variance import FACTORS, noisy
 from tests.statistical.repeated import STANDARD_ERRORS, Repeated, assert_rate, error_free, noise, repeat

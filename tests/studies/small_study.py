@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from studies.run import How, Outcome, run
-from studies.study import Study, study_from_text
+from studies.design.study import Study
+from studies.design.study_file import study_from_text
+from studies.run.story import How, Outcome, run
 
 TEXT = """
 [study]

@@ -12,10 +12,10 @@ import pytest
 from click.testing import CliRunner, Result
 
 from adjust import adjust_block
-from simfield.block import Block
-from simfield.block_folder import write_block
-from simfield.further import Further, Lines
-from studies.cli import main
+from simfield.block.block import Block
+from simfield.block.further import Further, Lines
+from simfield.files.block_folder import write_block
+from studies.commands.program import main
 from tests import synthetic
 from tests.adjust.test_failures import TestImages
 from tests.adjust.test_stated import MODEL, further

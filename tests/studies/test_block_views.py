@@ -5,9 +5,9 @@ import pytest
 
 from adjust import adjust_block, ap_models
 from simfield import presets, simulate
-from simfield.block import Block, Camera, ImageObservations, Images, Points
-from simfield.imaging import ideal_image
-from studies.block_views import ap_exterior_correlations, footprints, mean_residuals, point_errors
+from simfield.block.block import Block, Camera, ImageObservations, Images, Points
+from simfield.world.imaging import ideal_image
+from studies.comparison.block_views import ap_exterior_correlations, footprints, mean_residuals, point_errors
 
 GROUND_M = 50.0
 CORNER_MM = 1e-9

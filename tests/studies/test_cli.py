@@ -12,8 +12,8 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner
 
-from studies.cli import main
-from studies.installation import LIBRARIES
+from studies.commands.program import main
+from studies.session.installation import LIBRARIES
 
 HELP_SECONDS = 1.0
 """a bound for a loaded machine; 0.1 s is usual"""
@@ -175,13 +175,19 @@ def test_interrupt_exits_130(folder, monkeypatch):
     def interrupted(*_):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("simfield.block_folder.read_block", interrupted)
+    monkeypatch.setattr("simfield.files.block_folder.read_block", interrupted)
     assert call("adjust", folder, "--ap", "none").exit_code == 130
 
 
 def test_termination_exits_143(tmp_path):
     """Long after the command has begun, and hours before it would end."""
-    call_it = [sys.executable, "-c", "from studies.cli import main; main()", "reproduce", "mauelshagen-1980"]
+    call_it = [
+        sys.executable,
+        "-c",
+        "from studies.commands.program import main; main()",
+        "reproduce",
+        "mauelshagen-1980",
+    ]
     pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
     arguments = ["--jobs", "1", "--trials", "10000000", "--out", str(tmp_path)]
     with subprocess.Popen([*call_it, *arguments], **pipes) as process:
@@ -193,7 +199,7 @@ def test_termination_exits_143(tmp_path):
 
 def test_help_is_quick_and_imports_nothing_heavy():
     code = (
-        "import sys\nfrom studies.cli import main\nmain(['--help'], standalone_mode=False)\n"
+        "import sys\nfrom studies.commands.program import main\nmain(['--help'], standalone_mode=False)\n"
         "names = {'numpy', 'pandas', 'scipy', 'matplotlib', 'pydantic', 'joblib', 'numba', 'pyarrow', 'marimo'}\n"
         "heavy = names & set(sys.modules)\n"
         "assert not heavy, heavy"
@@ -206,7 +212,7 @@ def test_help_is_quick_and_imports_nothing_heavy():
 def test_another_adjust_in_the_way_is_named_by_its_path(tmp_path):
     (tmp_path / "adjust").mkdir()
     (tmp_path / "adjust" / "__init__.py").write_text("")
-    code = "from studies.cli import main; main(['doctor'])"
+    code = "from studies.commands.program import main; main(['doctor'])"
     done = subprocess.run(
         [sys.executable, "-c", code], capture_output=True, text=True, timeout=30, cwd=tmp_path, check=False
     )

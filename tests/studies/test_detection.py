@@ -10,9 +10,9 @@ import pytest
 from click.testing import CliRunner
 
 from adjust import adjust_block, ap_models
-from studies import detection_page
-from studies.cli import main
-from studies.detection import Share, detection, error_free, many_at_once
+from studies.commands.program import main
+from studies.experiments import detection_page
+from studies.experiments.detection import Share, detection, error_free, many_at_once
 from tests import synthetic
 
 MODEL = ap_models.get("optical")

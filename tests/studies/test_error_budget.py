@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from adjust import ap_models
+from adjust.reductions.reduction import Plan
 from simfield import presets
-from simfield.chain import chains
-from studies.error_budget import EVERYTHING, Budget, stages, table
-from studies.error_budget_page import page
-from studies.reduction import Plan
+from simfield.chain.presets import chains
+from studies.experiments.error_budget import EVERYTHING, Budget, stages, table
+from studies.experiments.error_budget_page import page
 
 TRIALS = 8
 UNDONE = ["refraction", "earth curvature", "comparator"]

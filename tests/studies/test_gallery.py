@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from studies.gallery import PIECES, drawn, page
-from studies.gallery_pieces import Example
+from studies.gallery.gallery import PIECES, drawn, page
+from studies.gallery.pieces import Example
 
 DOCS = Path(__file__).parents[2] / "docs"
 SVG = "{http://www.w3.org/2000/svg}"

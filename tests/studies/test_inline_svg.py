@@ -4,8 +4,8 @@ import re
 
 import pytest
 
-from studies.canvas import house_style, literal, new_figure, svg
-from studies.inline_svg import DrawingError, inline
+from studies.figures.canvas import house_style, literal, new_figure, svg
+from studies.texts.inline_svg import DrawingError, inline
 
 HEAD = (
     '<svg xmlns="http://www.w3.org/2000/svg" xmlns:xlink="http://www.w3.org/1999/xlink" width="10pt" viewBox="0 0 1 1"'

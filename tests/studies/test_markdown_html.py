@@ -1,8 +1,8 @@
 """Markdown becomes HTML without links and without HTML of its own."""
 
-from studies.inline_svg import Drawing
-from studies.markdown_html import converted
-from studies.markdown_text import escaped, fenced
+from studies.texts.inline_svg import Drawing
+from studies.texts.markdown_html import converted
+from studies.texts.markdown_text import escaped, fenced
 
 HOSTILE = "<script>alert(1)</script> [x](https://example.org) <https://example.org> `a` *b* | $c$ & \\ ~~d~~"
 

@@ -8,7 +8,7 @@ from scipy.stats import t as student
 
 from adjust import adjust_block, ap_models
 from simfield import presets, simulate
-from studies import measures
+from studies.comparison import measures
 
 
 @pytest.fixture(scope="module")

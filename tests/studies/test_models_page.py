@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from adjust import ap_models
-from adjust.ap_models import MODELS
-from studies import models_page
+from adjust.ap_models.lookup import MODELS
+from studies.pages import models_page
 
 every_set = pytest.mark.parametrize("model", [pytest.param(kind(), id=kind.id) for kind in MODELS])
 

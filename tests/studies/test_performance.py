@@ -7,8 +7,8 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from studies import performance
-from studies.performance import Measured
+from studies.summary import performance
+from studies.summary.performance import Measured
 
 N = 400
 REPEATED = 1500

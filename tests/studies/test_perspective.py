@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from studies.distortion import format_grid
-from studies.perspective import perspective_reduction, tilt_terms
+from studies.comparison.distortion import format_grid
+from studies.comparison.perspective import perspective_reduction, tilt_terms
 
 SMALL_RAD = 3e-7
 """so small that the second order, c a^2, is below 1e-9 mm"""

@@ -11,12 +11,12 @@ import pytest
 from click.testing import CliRunner
 
 from adjust import Adjustment, adjust_block, ap_models
-from adjust.model_choice import aic, bic, leave_one_image_out
-from adjust.reliability import Reliability
-from simfield.block import Block
-from simfield.block_folder import write_block
-from studies import protocol, protocol_files, protocol_text
-from studies.cli import main
+from adjust.quality.model_choice import aic, bic, leave_one_image_out
+from adjust.quality.reliability import Reliability
+from simfield.block.block import Block
+from simfield.files.block_folder import write_block
+from studies.commands.program import main
+from studies.protocol import files as protocol_files, record as protocol, text as protocol_text
 from tests import synthetic
 
 

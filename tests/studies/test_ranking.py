@@ -5,15 +5,16 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from adjust import adjust_block, ap_models, model_choice
-from adjust.significance import ap_significance
-from adjust.unknowns import EXTERIOR_NAMES
+from adjust import adjust_block, ap_models
+from adjust.model.unknowns import EXTERIOR_NAMES
+from adjust.quality import model_choice
+from adjust.quality.significance import ap_significance
 from simfield import build_world, presets
-from studies import ranking
-from studies.cells import Cell, measured
-from studies.methods import Method
-from studies.parts import Part, noise_free_block
-from studies.trial_columns import Tracked, nominal_columns, trial_columns
+from studies.design.methods import Method
+from studies.summary import ranking
+from studies.summary.cells import Cell, measured
+from studies.trials.parts import Part, noise_free_block
+from studies.trials.trial_columns import Tracked, nominal_columns, trial_columns
 
 KEY = "m"
 
@@ -41,7 +42,7 @@ def test_the_best_comes_first_and_criteria_count_from_their_smallest() -> None:
 @pytest.fixture(scope="module")
 def trial():
     """One trial of a small block: its cell, and its adjustment by itself."""
-    from adjust.replicates import adjust_replicates
+    from adjust.trials.replicates import adjust_replicates
 
     world = build_world(presets["grid-small"], 3)
     part, model = Part.of(world, noise_free_block(world), Method("brown14")), ap_models.get("brown14")

@@ -11,8 +11,8 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner
 
-from studies.cli import main
-from studies.report import report
+from studies.commands.program import main
+from studies.pages.html_report import report
 from tests.studies.small_study import TEXT, run_here, study
 
 RESULTS = Path(__file__).parents[2] / "results"
@@ -139,7 +139,7 @@ def test_ids_are_unique(page):
 def test_the_same_bytes_again_and_elsewhere(page, store, tmp_path):
     assert report(store) == page
     moved = shutil.copytree(store, tmp_path / "elsewhere")
-    made = "import sys; from studies.cli import main; main(sys.argv[1:])"
+    made = "import sys; from studies.commands.program import main; main(sys.argv[1:])"
     out = tmp_path / "page.html"
     subprocess.run(
         [sys.executable, "-c", made, "report", str(moved), "-o", str(out)],
@@ -160,7 +160,7 @@ def test_a_store_without_its_trials_says_so(copy):
 def test_a_report_runs_no_code_of_a_folder(tmp_path, monkeypatch):
     """A set of the user's own is a Python file; whoever reads a folder of somebody else must not run it."""
     monkeypatch.chdir(tmp_path)
-    own = "from adjust.ap_models.mauelshagen import Optical\n\n\nclass Own(Optical):\n    pass\n"
+    own = "from adjust.ap_models.catalogue.mauelshagen import Optical\n\n\nclass Own(Optical):\n    pass\n"
     (tmp_path / "own.py").write_text(own, encoding="utf-8")
     run_here(tmp_path / "store", study(TEXT, ('ap = ["none", "optical"]', 'ap = ["none", "own.py:Own"]')))
     (tmp_path / "own.py").write_text("raise SystemExit('run')\n", encoding="utf-8")

@@ -10,12 +10,12 @@ import pytest
 from click.testing import CliRunner
 
 from simfield import build_world, presets
-from studies import published
-from studies.cli import main
-from studies.distortion import true_radial
-from studies.reproduce_1980.experiment import CAMERAS, ReproductionError, Row, middle_images, rows
-from studies.reproduce_1980.table1 import failures, table1
-from studies.reproduce_1980.trials import MEASURES, run_trials
+from studies.commands.program import main
+from studies.comparison.distortion import true_radial
+from studies.experiments import published
+from studies.experiments.mauelshagen_1980.experiment import CAMERAS, ReproductionError, Row, middle_images, rows
+from studies.experiments.mauelshagen_1980.table1 import failures, table1
+from studies.experiments.mauelshagen_1980.trials import MEASURES, run_trials
 
 RMS_WITHOUT_AUX, RMS_WITH_AUX, RMS_AS_PRINTED = 0.04, 0.07, 0.12
 """bounds for the rms of the 91 differences to Table 2 of the camera that fits best"""

@@ -11,12 +11,12 @@ import pytest
 from click.testing import CliRunner
 
 from simfield import build_world, presets
-from simfield.block import Floats
-from studies.cli import main
-from studies.reproduce_1982 import reseau
-from studies.reproduce_1982.experiment import OTHERS, SETS, Case, cases, part_of, residual_um
-from studies.reproduce_1982.table import spearman
-from studies.reproduce_1982.trials import adjusted, flown, residuals, without_system
+from simfield.block.block import Floats
+from studies.commands.program import main
+from studies.experiments.ziemann_1982 import reseau
+from studies.experiments.ziemann_1982.experiment import OTHERS, SETS, Case, cases, part_of, residual_um
+from studies.experiments.ziemann_1982.table import spearman
+from studies.experiments.ziemann_1982.trials import adjusted, flown, residuals, without_system
 
 ROUNDING_MM = 1e-9
 MIDDLE = ["c", "l", "m"]

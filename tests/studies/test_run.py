@@ -12,14 +12,17 @@ import pytest
 
 from adjust import adjust_block, ap_models
 from simfield import build_world
-from studies import measures, stopping, summary
-from studies.block_task import BEFORE, compute
-from studies.cells import Cell, correlated, measured
-from studies.plan import Plan, joined
-from studies.replay import condition_named, replay
-from studies.store import Store, StoreError
-from studies.study import Study, StudyError
-from studies.verify import verify
+from studies.comparison import measures
+from studies.design.plan import Plan
+from studies.design.study import Study, StudyError
+from studies.run.one_trial import condition_named, replay
+from studies.run.verification import verify
+from studies.store.look import joined
+from studies.store.shards import BEFORE
+from studies.store.store import Store, StoreError
+from studies.summary import stopping, summary
+from studies.summary.cells import Cell, correlated, measured
+from studies.trials.block_of_trials import compute
 from tests.studies.small_study import TEXT, contents, run_here, study
 
 

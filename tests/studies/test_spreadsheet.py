@@ -8,9 +8,9 @@ import pytest
 
 from adjust import adjust_block, ap_models
 from simfield import presets, simulate
-from studies.protocol_files import write
-from studies.spreadsheet import as_text
-from studies.tables import write_csv
+from studies.protocol.files import write
+from studies.texts.spreadsheet import as_text
+from studies.texts.tables import write_csv
 
 CALL = '=HYPERLINK("http://x")'
 

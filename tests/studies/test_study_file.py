@@ -10,11 +10,12 @@ import time
 import pytest
 
 from adjust import ap_models
-from studies import shipped
-from studies.conditions import condition_seed, conditions_of
-from studies.factors import NAMED
-from studies.methods import methods_of, references
-from studies.study import LARGEST_FILE, StudyError, read_study, study_from_text
+from studies.design import shipped
+from studies.design.conditions import condition_seed, conditions_of
+from studies.design.factors import NAMED
+from studies.design.methods import methods_of, references
+from studies.design.study import StudyError
+from studies.design.study_file import LARGEST_FILE, read_study, study_from_text
 from tests.studies.small_study import TEXT, study
 
 
@@ -206,7 +207,7 @@ def test_the_shipped_studies_are_without_fault_and_named_as_their_files() -> Non
 
 def test_a_dry_run_imports_no_numerics() -> None:
     code = (
-        "import sys; from click.testing import CliRunner; from studies.cli import main\n"
+        "import sys; from click.testing import CliRunner; from studies.commands.program import main\n"
         "r = CliRunner().invoke(main, ['run', 'redundancy', '--dry-run']); assert r.exit_code == 0, r.output\n"
         "assert '27 conditions x 1 methods = 27 cells' in r.output\n"
         "print([m for m in ('scipy', 'numba', 'pandas', 'pyarrow', 'matplotlib', 'joblib') if m in sys.modules])"

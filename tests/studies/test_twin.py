@@ -9,16 +9,18 @@ import pytest
 from click.testing import CliRunner
 
 from simfield import build_world, presets, read_block
-from simfield.chain import STAGES, chains, prepare
-from simfield.raw_folder import read_raw, write_raw
-from studies import cli, published
-from studies.cli import main
-from studies.reproduce_1980.experiment import Row
-from studies.reproduce_1980.trials import run_trials
-from studies.twin_1980 import ap_sets, drawings, fixed, variances
-from studies.twin_1980.components import Component, all_components, scenario_with
-from studies.twin_1980.findings import Twin
-from studies.twin_1980.propagation import LinearRow, expected_squares
+from simfield.chain.measure import prepare
+from simfield.chain.presets import STAGES, chains
+from simfield.files.raw_folder import read_raw, write_raw
+from studies.commands import program as cli
+from studies.commands.program import main
+from studies.experiments import published
+from studies.experiments.mauelshagen_1980.experiment import Row
+from studies.experiments.mauelshagen_1980.trials import run_trials
+from studies.experiments.mauelshagen_1980_twin import ap_sets, drawings, fixed, variances
+from studies.experiments.mauelshagen_1980_twin.components import Component, all_components, scenario_with
+from studies.experiments.mauelshagen_1980_twin.findings import Twin
+from studies.experiments.mauelshagen_1980_twin.propagation import LinearRow, expected_squares
 
 TRIALS = 192
 ROW = Row("torlegard", "sww", False)

@@ -1,1 +1,4 @@
-"""The apps of the lessons: controls, sentences, figures. What they show is computed in `studies.lessons`."""
+"""The pages of the lessons, one marimo app a lesson.
+
+A late import in a cell keeps the first page quick.
+"""

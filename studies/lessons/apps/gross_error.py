@@ -9,9 +9,10 @@ app = marimo.App(width="medium", app_title="Find the gross error")
 def _():
     import marimo as mo
 
-    from adjust.reliability import ALPHA, POWER
-    from studies.lessons import drawings, gross_error, showing
-    from studies.lessons.picture import picture
+    from adjust.quality import ALPHA, POWER
+    from studies.lessons import drawings, gross_error
+    from studies.lessons.apps import showing
+    from studies.lessons.apps.picture import picture
 
     return ALPHA, POWER, drawings, gross_error, mo, picture, showing
 

@@ -9,9 +9,10 @@ app = marimo.App(width="medium", app_title="What is a 95 % interval?")
 def _():
     import marimo as mo
 
-    from studies.lessons import drawings, interval, showing
-    from studies.lessons.picture import picture
-    from studies.measures import CONFIDENCE
+    from studies.comparison import CONFIDENCE
+    from studies.lessons import drawings, interval
+    from studies.lessons.apps import showing
+    from studies.lessons.apps.picture import picture
 
     return CONFIDENCE, drawings, interval, mo, picture, showing
 

@@ -9,8 +9,9 @@ app = marimo.App(width="medium", app_title="Fly your own block")
 def _():
     import marimo as mo
 
-    from studies.lessons import drawings, own_block, showing
-    from studies.lessons.picture import picture
+    from studies.lessons import drawings, own_block
+    from studies.lessons.apps import showing
+    from studies.lessons.apps.picture import picture
 
     return drawings, mo, own_block, picture, showing
 

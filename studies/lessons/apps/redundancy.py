@@ -9,8 +9,9 @@ app = marimo.App(width="medium", app_title="What does redundancy buy?")
 def _():
     import marimo as mo
 
-    from studies.lessons import drawings, redundancy, showing
-    from studies.lessons.picture import picture
+    from studies.lessons import drawings, redundancy
+    from studies.lessons.apps import showing
+    from studies.lessons.apps.picture import picture
 
     return drawings, mo, picture, redundancy, showing
 

@@ -9,8 +9,9 @@ app = marimo.App(width="medium", app_title="Why a second zero crossing?")
 def _():
     import marimo as mo
 
-    from studies.lessons import drawings, second_zero, showing
-    from studies.lessons.picture import picture
+    from studies.lessons import drawings, second_zero
+    from studies.lessons.apps import showing
+    from studies.lessons.apps.picture import picture
 
     return drawings, mo, picture, second_zero, showing
 

@@ -9,8 +9,9 @@ app = marimo.App(width="medium", app_title="Which model for which distortion?")
 def _():
     import marimo as mo
 
-    from studies.lessons import drawings, showing, which_model
-    from studies.lessons.picture import picture
+    from studies.lessons import drawings, which_model
+    from studies.lessons.apps import showing
+    from studies.lessons.apps.picture import picture
 
     return drawings, mo, picture, showing, which_model
 

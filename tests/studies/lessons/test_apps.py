@@ -6,8 +6,8 @@ from types import SimpleNamespace
 
 import pytest
 
+from studies.lessons.apps.picture import Picture
 from studies.lessons.lesson import LESSONS
-from studies.lessons.picture import Picture
 
 pytest.importorskip("marimo", reason="the lessons need the extra `teach`")
 

@@ -18,7 +18,7 @@ import psutil
 import pytest
 
 from studies.lessons.lesson import LESSONS
-from studies.lessons.server import SESSION_SECONDS
+from studies.lessons.serving.server import SESSION_SECONDS
 from tests.chromium import ARGUMENTS, CHROMIUM, IN_A_BROWSER, sync_api
 
 pytest.importorskip("marimo", reason="the lessons need the extra `teach`")
@@ -45,7 +45,7 @@ MOVES_OF = {
 @contextlib.contextmanager
 def teaching(folder):
     """(address with the token, process) of a running `simfield teach`, which is ended afterwards."""
-    command = [sys.executable, "-c", "from studies.cli import main; main()", "teach", "--no-browser"]
+    command = [sys.executable, "-c", "from studies.commands.program import main; main()", "teach", "--no-browser"]
     errors = (folder / "stderr").open("w+", encoding="utf-8")
     with errors, subprocess.Popen(command, stdout=subprocess.PIPE, stderr=errors, text=True) as process:
         try:

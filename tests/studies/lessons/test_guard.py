@@ -4,7 +4,7 @@ import asyncio
 
 import pytest
 
-from studies.lessons.guard import Guard
+from studies.lessons.serving.guard import Guard
 
 TOKEN = "a-token-of-some-length"
 PORT = 8000

@@ -7,10 +7,10 @@ import sys
 import pytest
 from click.testing import CliRunner
 
-from studies import cli_teach
-from studies.cli import main
+from studies.commands import teach as cli_teach
+from studies.commands.program import main
 from studies.lessons.lesson import LESSONS
-from studies.lessons.server import index_page
+from studies.lessons.serving.server import index_page
 
 HEAVY = ("marimo", "numpy", "matplotlib", "starlette", "uvicorn")
 
@@ -33,7 +33,7 @@ def test_a_port_that_is_taken_is_a_failure():
 
 
 def test_the_help_imports_nothing_heavy():
-    code = "import sys; from studies.cli import main; main(['teach', '-h'], standalone_mode=False); print(*sys.modules)"
+    code = "import sys; from studies.commands.program import main; main(['teach', '-h'], standalone_mode=False); print(*sys.modules)"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60, check=True)
     assert "127.0.0.1" in done.stdout
     assert not set(HEAVY) & set(done.stdout.splitlines()[-1].split())

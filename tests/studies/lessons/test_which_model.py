@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from adjust import ap_models
-from simfield.effects import EffectOn
+from simfield.disturbances.effects import EffectOn
 from studies.lessons import which_model
 from studies.lessons.adjusted import adjusted, observed, world_of
 

@@ -1,0 +1,148 @@
+"""TODO studies/commands/blocks.py."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from studies.commands.late_choice import LateChoice
+
+if TYPE_CHECKING:
+    from adjust import Adjustment
+    from adjust.model import ApBy
+from studies.commands.arguments import BLOCK_FOLDER, FOLDER, _model
+from studies.commands.exits import Failure
+from studies.commands.program import further_tables, main, owners_of_sets, stages
+
+
+@main.command()
+@click.argument("folder", metavar="BLOCK_DIR", type=BLOCK_FOLDER)
+@click.option(
+    "--ap", "model_id", metavar="ID", required=True, help="Additional parameters; `simfield models` lists them."
+)
+@click.option(
+    "--set", "settings", metavar="NAME=VALUE", multiple=True, help="A setting of the model, such as r0_mm=100."
+)
+@click.option("--json", "json_path", metavar="FILE|-", help="Write everything as JSON to a file, or to stdout (-).")
+@click.option("-o", "--out", type=FOLDER, help="Folder for the protocol: text, JSON, observations and correlations.")
+@click.option(
+    "--datum",
+    type=click.Choice(["control", "minimum", "inner"]),
+    default="control",
+    show_default=True,
+    help="What ties the block to its frame: its control, seven coordinates, or inner constraints (a free network).",
+)
+@click.option(
+    "--leave-out",
+    type=LateChoice(further_tables),
+    multiple=True,
+    help="Further observations of the folder that are not used; may be given more than once.",
+)
+@click.option(
+    "--ap-by",
+    type=LateChoice(owners_of_sets),
+    default="camera",
+    show_default=True,
+    help="Whose sets of additional parameters; a finer choice is tested against one set a camera.",
+)
+def adjust(
+    folder: Path,
+    model_id: str,
+    settings: tuple[str, ...],
+    json_path: str | None,
+    out: Path | None,
+    datum: str,
+    leave_out: tuple[str, ...],
+    ap_by: ApBy,
+) -> None:
+    """Adjust a block folder by bundles with self-calibration, with all further observations that are in it."""
+    from adjust import ByControl, InnerConstraints, MinimumControl, adjust_block
+    from simfield.files import BlockFolderError, read_block
+    from studies.protocol import adjustment_page
+
+    model = _model(model_id, settings)
+    try:
+        block = read_block(folder)
+    except BlockFolderError as error:
+        raise Failure(str(error)) from error
+    tied = {"control": ByControl, "minimum": MinimumControl, "inner": InnerConstraints}[datum]()
+    try:
+        block = block.without(*leave_out) if leave_out else block
+        a = adjust_block(block, model, datum=tied, ap_by=ap_by)
+    except ValueError as error:  # what the folder states does not fit the model
+        raise Failure(str(error)) from error
+    if json_path is not None:
+        _write_json(adjustment_page.record(a), json_path)
+    _refuse_failed(a)
+    if out is not None:
+        if (out / "cameras.csv").exists():
+            raise click.UsageError(
+                f"{out} holds a block, whose observations.csv the protocol would replace; name another folder"
+            )
+        _write_protocol(a, out, quiet=json_path == "-")
+    elif json_path is None:
+        click.echo(adjustment_page.page(a))
+    if ap_by != "camera":
+        coarse = adjust_block(block, model, datum=tied)
+        click.echo(adjustment_page.sets_line(coarse, a, ap_by), err=json_path == "-")
+
+
+@main.command()
+@click.argument("source", metavar="PRESET|SCENARIO.toml")
+@click.option("--seed", type=click.IntRange(0), required=True, help="Seed of all that is random.")
+@click.option("--trial", type=click.IntRange(0), default=0, show_default=True, help="Number of the trial.")
+@click.option("-o", "--out", "folder", type=FOLDER, required=True, help="Block folder to write.")
+@click.option("--raw", is_flag=True, help="Write comparator coordinates with marks instead, for `simfield reduce`.")
+@click.option(
+    "--chain", default="psk-1969", show_default=True, help="Measurement chain of --raw: psk-1969, undisturbed."
+)
+@click.option(
+    "--without", type=LateChoice(stages), multiple=True, help="A stage of the chain to leave out, with --raw."
+)
+def simulate(source: str, seed: int, trial: int, folder: Path, raw: bool, chain: str, without: tuple[str, ...]) -> None:
+    """Fly a scenario; write the block folder a surveyor would hand over, and truth.json beside it."""
+    from studies.commands import simulation
+
+    try:
+        if without and not raw:
+            raise click.UsageError("--without belongs to --raw: a block folder has no measurement chain")
+        if raw:
+            click.echo(simulation.write_measured(source, chain, seed, trial, folder, without))
+            return
+        click.echo(simulation.write(source, seed, trial, folder))
+    except simulation.WrongScenarioError as error:
+        raise click.UsageError(str(error)) from error
+    except (simulation.SimulationError, OSError) as error:
+        raise Failure(str(error)) from error
+
+
+def _write_json(record: dict[str, Any], path: str) -> None:
+    from simfield.files import write_whole
+
+    text = json.dumps(record, indent=1, allow_nan=False, ensure_ascii=False)
+    if path == "-":
+        click.echo(text)
+        return
+    try:
+        write_whole(Path(path), f"{text}\n".encode())
+    except OSError as error:
+        raise click.UsageError(f"{path} cannot be written: {error.strerror}") from error
+
+
+def _write_protocol(a: Adjustment, folder: Path, quiet: bool) -> None:
+    from studies.protocol import files as protocol_files
+
+    try:
+        files = protocol_files.write(a, folder)
+    except OSError as error:
+        raise Failure(f"{error.filename or folder}: cannot be written: {error.strerror}") from error
+    for path in files:
+        click.echo(path, err=quiet)
+
+
+def _refuse_failed(a: Adjustment) -> None:
+    if not a.status.ok:
+        raise Failure(a.message)

@@ -1,0 +1,54 @@
+"""TODO studies/commands/experiments.py."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+if TYPE_CHECKING:
+    pass
+from studies.commands.arguments import FOLDER
+from studies.commands.exits import Failure
+from studies.commands.program import main
+
+DEFAULT_TRIALS = 200
+
+
+DEFAULT_SEED = 1980
+
+
+@main.command()
+@click.argument("what", metavar="EXPERIMENT", type=click.Choice(["mauelshagen-1980", "ziemann-1982"]))
+@click.option("--out", type=FOLDER, help="Folder for the results.  [default: results/EXPERIMENT]")
+@click.option("--trials", type=click.IntRange(2), default=DEFAULT_TRIALS, show_default=True, help="Simulated flights.")
+@click.option("--jobs", type=click.IntRange(1), help="Processes.  [default: one a core]")
+@click.option(
+    "--seed", type=click.IntRange(0), default=DEFAULT_SEED, show_default=True, help="Seed of all that is random."
+)
+@click.option("--world", type=click.Choice(["twin"]), help="Fit worlds in which the published table of 1980 happens.")
+def reproduce(what: str, out: Path | None, trials: int, jobs: int | None, seed: int, world: str | None) -> None:
+    """Fly and adjust a published experiment; write its tables and figures beside the published ones."""
+    if world == "twin" and what != "mauelshagen-1980":
+        raise click.UsageError("--world twin belongs to mauelshagen-1980")
+    if world == "twin":
+        from studies.experiments import mauelshagen_1980_twin as experiment
+    elif what == "ziemann-1982":
+        from studies.experiments import ziemann_1982 as experiment  # type: ignore[no-redef]
+    else:
+        from studies.experiments import mauelshagen_1980 as experiment  # type: ignore[no-redef]
+
+    folder = out if out is not None else Path("results") / (f"{what}-{world}" if world else what)
+    try:
+        done = experiment.reproduce(folder, trials=trials, jobs=jobs, seed=seed)
+    except experiment.ReproductionError as error:
+        raise Failure(str(error)) from error
+    except OSError as error:
+        raise Failure(f"{error.filename or folder}: cannot be written: {error.strerror}") from error
+    for path in done.files:
+        click.echo(path)
+    for line in done.failures:
+        click.echo(line, err=True)
+    if done.failures:
+        raise Failure(f"{len(done.failures)} adjustments failed; the report counts and names them")

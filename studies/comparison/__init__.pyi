@@ -1,0 +1,15 @@
+from . import block_views as block_views, distortion as distortion, measures as measures
+from .block_views import PointErrors as PointErrors, point_errors as point_errors
+from .distortion import (
+    DecenteringFields as DecenteringFields,
+    RadialCurve as RadialCurve,
+    VectorField as VectorField,
+    decentering_fields as decentering_fields,
+    format_grid as format_grid,
+    radial_curve as radial_curve,
+)
+from .measures import (
+    CONFIDENCE as CONFIDENCE,
+    geodetic_deviations as geodetic_deviations,
+    root_mean_square as root_mean_square,
+)

@@ -1,0 +1,155 @@
+"""The report of a study, readable as it is: the question, what was run, tables with standard errors, a figure."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from studies.design import Plan, factor_names
+from studies.summary import Row, Summary, ranking
+from studies.texts import escaped
+
+MOST_LINES = 60
+DASH = "–"
+
+
+def write(summed: Summary, plan: Plan, folder: Path) -> list[Path]:
+    """Write report.md and the figure. Raises OSError."""
+    figures = _draw(summed, plan, folder)
+    path = folder / "report.md"
+    path.write_bytes(page(summed, plan, [f for f in figures if f.suffix == ".svg"]).encode())
+    return [path, *figures]
+
+
+def page(summed: Summary, plan: Plan, figures: Sequence[Path] = ()) -> str:
+    """The report in Markdown."""
+    study = plan.study
+    lines = [f"# {escaped(study.name)}", "", escaped(study.study.question.strip()), ""]
+    lines += [what_was_run(summed, plan), ""]
+    for figure in figures:
+        lines += [f"![{escaped(', '.join(study.report.measures))}]({figure.name})", ""]
+    lines += ranked(summed, plan)
+    for _, heading, table_lines in by_measure(summed, plan):
+        lines += [f"## {heading}", "", *table_lines, ""]
+    lines += differences(summed, plan)
+    if summed.failures:
+        lines += ["## Failures", "", *(f"- {escaped(line)}" for line in summed.failures), ""]
+    return "\n".join(lines)
+
+
+def by_measure(summed: Summary, plan: Plan) -> Iterator[tuple[str, str, Iterator[str]]]:
+    """Every measure of the report that has rows: its name, its heading and the lines of its table."""
+    names = [*factor_names(plan.study), *plan.study.methods]
+    for measure in plan.study.report.measures:
+        chosen = [row for row in summed.rows if row["measure"] == measure]
+        if chosen:
+            unit = "" if chosen[0]["unit"] == "1" else f", {chosen[0]['unit']}"
+            yield measure, f"{escaped(measure)}{unit}", table(chosen, names)
+
+
+def differences(summed: Summary, plan: Plan) -> Iterator[str]:
+    """The differences between methods in the measures of the report, with a heading; nothing if there are none."""
+    compared = [row for row in summed.differences if row["measure"] in plan.study.report.measures]
+    if compared:
+        yield "## Differences between methods, in pairs on the same trials"
+        yield ""
+        yield from table(compared, [*factor_names(plan.study), "method", "against", "measure", "unit"])
+        yield ""
+
+
+def ranked(summed: Summary, plan: Plan) -> Iterator[str]:
+    """A ranking for each condition, under its factors; nothing if the study asks for none."""
+    report = plan.study.report
+    if not report.rank_by:
+        return
+    yield f"## Ranked by {escaped(report.rank_by)}"
+    yield ""
+    for condition in plan.conditions:
+        yield f"### {escaped(str(condition))}"
+        yield ""
+        own = [row for row in summed.rows if row["condition"] == condition.id]
+        yield from ranking.tables(own, summed.differences, report.measures, report.rank_by)
+
+
+def what_was_run(summed: Summary, plan: Plan) -> str:
+    """Conditions, methods, trials and how figures are to be read, in Markdown."""
+    study = plan.study
+    ran = sorted({row["n"] + row["failures"] for row in summed.rows})
+    trials = f"{ran[0]}" if len(ran) == 1 else f"{ran[0]} to {ran[-1]}" if ran else "0"
+    return (
+        f"{_counted(len(plan.conditions), 'condition')}, {_counted(len(plan.methods), 'method')}, {trials} trials "
+        f"each, seed {study.study.seed}. Behind ± stands the Monte-Carlo standard error. All methods of a condition "
+        "see the same trials. Every figure is in summary.csv, the study itself in study.toml."
+    )
+
+
+def _counted(number: int, thing: str) -> str:
+    return f"{number} {thing}" + ("" if number == 1 else "s")
+
+
+def table(rows: Sequence[Row], names: Sequence[str]) -> Iterator[str]:
+    """Rows in Markdown: the named columns, estimate ± standard error, n, failures."""
+    yield "| " + " | ".join([*map(escaped, names), "estimate", "n", "failures"]) + " |"
+    yield "| " + " | ".join(["---"] * len(names) + ["---:"] * 3) + " |"
+    for row in rows[:MOST_LINES]:
+        cells = [escaped(plain(row.get(name, ""))) for name in names]
+        yield "| " + " | ".join([*cells, with_error(row), str(row["n"]), str(row["failures"])]) + " |"
+    if len(rows) > MOST_LINES:
+        yield ""
+        yield f"The first {MOST_LINES} of {len(rows)} lines; all are in summary.csv and differences.csv."
+
+
+def with_error(row: Mapping[str, Any]) -> str:
+    """Estimate ± Monte-Carlo standard error, with digits that the error bears; a dash where there is nothing."""
+    estimate, mcse = row["estimate"], row["mcse"]
+    if not np.isfinite(estimate):
+        return DASH
+    if not np.isfinite(mcse):
+        return f"{estimate:.4g} ± {DASH}"
+    if mcse <= 0.0:
+        return f"{estimate:.4g}"
+    power = int(np.floor(np.log10(mcse)))
+    if -6 <= power <= 3:
+        digits = max(0, 1 - power)
+        return f"{estimate:.{digits}f} ± {mcse:.{digits}f}"
+    return f"{estimate:.5g} ± {mcse:.2g}"
+
+
+def plain(value: Any) -> str:
+    """A level of a factor as text."""
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    return f"{value:g}" if isinstance(value, float) else str(value)
+
+
+def _draw(summed: Summary, plan: Plan, folder: Path) -> list[Path]:
+    """The measures of the report over its factor x, one axes each."""
+    study = plan.study
+    names = [*factor_names(study), *study.methods]
+    x = study.report.x or (names[0] if names else "")
+    measures = [
+        m for m in study.report.measures if any(r["measure"] == m and np.isfinite(r["estimate"]) for r in summed.rows)
+    ]
+    if not measures or not x:
+        return []
+    from studies.figures import MANY_LABELS, MOST_SERIES, house_style, measure_over_factor, new_figure, save, series_of
+
+    with house_style():
+        rows, columns = -(-len(measures) // 2), min(2, len(measures))
+        many = len({str(row.get(x)) for row in summed.rows}) > MANY_LABELS
+        figure = new_figure(90.0 * columns, (88.0 if many else 66.0) * rows + 22.0)
+        grid: Any = figure.subplots(rows, columns, squeeze=False)
+        units = {row["measure"]: row["unit"] for row in summed.rows}
+        for axes, measure in zip(grid.ravel(), measures, strict=False):
+            series, labels = series_of(summed.rows, measure, x, study.report.series or names)
+            measure_over_factor(axes, series, labels, x, measure, units[measure])
+        for axes in grid.ravel()[len(measures) :]:
+            axes.set_visible(False)
+        handles, said = grid[0, 0].get_legend_handles_labels()
+        if len(said) > 1:
+            figure.legend(handles[:MOST_SERIES], said[:MOST_SERIES], loc="outside lower center", ncols=3, fontsize=6.5)
+        title = f"{study.name}: {', '.join(measures)}"
+        return save(figure, folder / "figure", title, f"Each over {x}, with 95 % Monte-Carlo intervals.")

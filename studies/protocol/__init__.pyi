@@ -1,0 +1,1 @@
+from . import adjustment_page as adjustment_page, files as files

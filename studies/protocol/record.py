@@ -1,0 +1,276 @@
+"""The protocol of an adjustment as figures: what a surveyor signs. The keys are those of protocol.json.
+
+Beside the estimates (studies.protocol.adjustment_page) it has the datum, the global test, redundancy by group, significance of
+additional parameters, reliability, suspected gross errors, residuals by image and by radius, control, and advice.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from adjust import MOTIONS, Adjustment, FreeAdjustment
+from adjust.model import POINT_NAMES
+from adjust.quality import (
+    POWER,
+    Accused,
+    ApSignificance,
+    Reliability,
+    Snooping,
+    aic,
+    ap_significance,
+    bic,
+    familywise,
+    global_test,
+    groups_by_camera,
+    leave_one_image_out,
+    noncentrality,
+    snoop,
+    tau_critical,
+    variance_components,
+    w_critical,
+)
+from studies.protocol import adjustment_page, further as protocol_further, residuals as protocol_residuals
+from studies.protocol.advice import advice
+
+Record = dict[str, Any]
+LEVEL = 0.05
+"""of the global test and of the search for gross errors as a whole"""
+ALPHA = 0.001
+"""of the test of one observation, and of the minimal detectable bias"""
+ACCUSED_MOST = 50
+
+
+@dataclass(frozen=True, eq=False)
+class Findings:
+    """What is computed once for the whole protocol."""
+
+    adjustment: Adjustment
+
+    @cached_property
+    def reliability(self) -> Reliability:
+        return Reliability.of(self.adjustment, ALPHA, POWER)
+
+    @cached_property
+    def snooping(self) -> Snooping:
+        """The tau test: a common factor of all standard deviations accuses nobody."""
+        a = self.adjustment
+        return snoop(a, familywise(LEVEL, a.observations), "tau", ACCUSED_MOST)
+
+    @cached_property
+    def ap(self) -> dict[str, ApSignificance]:
+        return {camera: ap_significance(self.adjustment, camera) for camera, e in self.adjustment.ap.items() if e.names}
+
+
+def record(a: Adjustment, findings: Findings | None = None) -> Record:
+    """The whole protocol in plain types without NaN. Raises ValueError where the adjustment failed."""
+    findings = Findings(a) if findings is None else findings
+    found: Record = {
+        **adjustment_page.record(a),
+        "data": data(a),
+        "datum": datum(a),
+        "global_test": _global_test(a),
+        "groups": groups(findings),
+        "model_choice": model_choice(a),
+        "ap_sets": {s.id: a.layout.owner_of(s) for s in a.layout.sets},
+        "ap_significance": {camera: _significance(s) for camera, s in findings.ap.items()},
+        "reliability": reliability(findings),
+        "suspected": [_accused(a, each) for each in findings.snooping.accused],
+        "search": _search(findings),
+        "control": control(findings),
+        "further": protocol_further.observations(a, findings.reliability),
+        "biases": protocol_further.biases(a),
+        "residuals_by_image": protocol_residuals.by_image(a),
+        "residuals_by_radius": protocol_residuals.by_radius(a),
+    }
+    found["advice"] = advice(found)
+    return found
+
+
+def data(a: Adjustment) -> Record:
+    """What was adjusted, counted."""
+    b = a.block
+    role, rays = b.points.role, b.rays
+    return {
+        "images": {c.camera_id: int(np.sum(b.images.camera == i)) for i, c in enumerate(b.cameras)},
+        "points": {name: int(np.sum(role == name)) for name in ("control", "check", "tie")},
+        "image_points": len(b.observations),
+        "rays_per_point_mean": float(rays.mean()),
+        "points_with_two_rays": int(np.sum(rays == 2)),
+        "sigma_um": {
+            "least": 1000.0 * float(b.observations.sigma.min()),
+            "most": 1000.0 * float(b.observations.sigma.max()),
+        },
+        "models": {s.id: s.model.id for s in a.layout.sets},
+    }
+
+
+def datum(a: Adjustment) -> Record:
+    """What fixes the block in space."""
+    p = a.block.points
+    if isinstance(a, FreeAdjustment):
+        ids = [p.ids[row] for row in a.datum_rows]
+        return {
+            "by": "inner constraints",
+            "points": ids,
+            "fixed": {},
+            "weighted": {},
+            "rank_defect": MOTIONS,
+            "further": [],
+        }
+    return {
+        "by": "control" if (p.fixed | p.weighted).any() else "further observations",
+        "points": [name for name, row in zip(p.ids, p.fixed | p.weighted, strict=True) if row.any()],
+        "fixed": {name: int(p.fixed[:, i].sum()) for i, name in enumerate(POINT_NAMES)},
+        "weighted": {name: int(p.weighted[:, i].sum()) for i, name in enumerate(POINT_NAMES)},
+        "rank_defect": 0,
+        "further": [group.name for group in a.groups.further],
+    }
+
+
+def groups(findings: Findings) -> list[Record]:
+    """Count, redundancy and vPv of every group of observations, with the factor of its standard deviations."""
+    a = findings.adjustment
+    try:
+        components = variance_components(a)
+        factors = dict(
+            zip(components.names, zip(components.sigma_factor, components.sigma_factor_std, strict=True), strict=True)
+        )
+    except ValueError:
+        factors = {}
+    standard, r = findings.reliability.influence.rows.standard, findings.reliability.redundancy
+    found = []
+    for name, rows in groups_by_camera(a).items():
+        factor, std = factors.get(name, (math.nan, math.nan))
+        found.append(
+            {
+                "group": name,
+                "observations": len(rows),
+                "redundancy": float(r[rows].sum()),
+                "redundancy_mean": float(r[rows].mean()),
+                "vpv": float(np.sum(standard[rows] ** 2)),
+                "sigma_factor": number(float(factor)) if math.isfinite(std) else None,
+                "sigma_factor_std": number(float(std)),
+            }
+        )
+    return found
+
+
+def model_choice(a: Adjustment) -> Record:
+    """What to compare with the same block adjusted with another set: the smallest is best."""
+    a = a.regular
+    with np.errstate(divide="ignore", invalid="ignore"):  # a block without any error, or images that nothing predicts
+        found = {"aic": aic(a), "bic": bic(a), "leave_one_image_out_um": leave_one_image_out(a).rms_um}
+    return {name: number(value) for name, value in found.items()}
+
+
+def reliability(findings: Findings) -> Record:
+    """The reliability of the image coordinates in a few numbers, and of the points: the worst effect of a hidden
+    error.
+    """
+    found, a = findings.reliability, findings.adjustment
+    rows = found.image_points
+    r, mdb = found.redundancy[rows], found.mdb[rows]
+    weakest = int(np.argmin(r))
+    return {
+        "alpha": ALPHA,
+        "power": POWER,
+        "delta0": noncentrality(ALPHA, POWER),
+        "redundancy_least": float(r[weakest]),
+        "redundancy_least_of": found.name(weakest),
+        "redundancy_mean": float(r.mean()),
+        "below_0.1": int(np.sum(r < 0.1)),
+        "below_0.3": int(np.sum(r < 0.3)),
+        "mdb_median_um": number(1000.0 * float(np.median(mdb))),
+        "mdb_most_um": number(1000.0 * float(mdb.max())),
+        "external_median": number(float(np.median(found.external[rows]))),
+        "external_most": number(float(found.external[rows].max())),
+        "w_critical": w_critical(ALPHA),
+        "tau_critical": tau_critical(a.redundancy, ALPHA),
+        "w_above_critical": int(np.sum(np.abs(found.w) > w_critical(ALPHA))),
+        "w_above_critical_expected": ALPHA * a.observations,
+    }
+
+
+def control(findings: Findings) -> list[Record]:
+    """Weighted control coordinates: correction, redundancy, w; fixed ones have none."""
+    found = findings.reliability
+    start = found.image_points.stop
+    given = findings.adjustment.regular.groups.control
+    return [
+        {
+            "point": findings.adjustment.block.points.ids[at // 3],
+            "coordinate": POINT_NAMES[at % 3],
+            "v_m": float(found.influence.rows.v[row]),
+            "redundancy": float(found.redundancy[row]),
+            "w": number(float(found.w[row])),
+            "mdb_m": number(float(found.mdb[row])),
+        }
+        for row, at in enumerate(given.coordinates.tolist(), start=start)
+    ]
+
+
+def number(value: float) -> float | None:
+    return value if math.isfinite(value) else None
+
+
+def _global_test(a: Adjustment) -> Record:
+    found = global_test(a, LEVEL)
+    return {
+        "alpha": LEVEL,
+        "vpv": found.vpv,
+        "lower": found.lower,
+        "upper": found.upper,
+        "p": found.p,
+        "passed": found.passed,
+    }
+
+
+def _significance(s: ApSignificance) -> list[Record]:
+    columns = zip(
+        s.names, s.values, s.std, s.t, s.p, s.z, s.p_added, s.with_exterior, s.with_all, s.strongest, strict=True
+    )
+    return [
+        {
+            "name": name,
+            "value": float(value),
+            "std": float(std),
+            "t": float(t),
+            "p": float(p),
+            "z": float(z),
+            "p_added": float(p_added),
+            "with_exterior": float(exterior),
+            "with_all": float(everything),
+            "strongest": {"owner": strongest[0], "name": strongest[1], "r": strongest[2]},
+        }
+        for name, value, std, t, p, z, p_added, exterior, everything, strongest in columns
+    ]
+
+
+def _accused(a: Adjustment, each: Accused) -> Record:
+    unit = protocol_further.unit(a, each.row)
+    return {
+        "observation": each.name,
+        "tau": each.statistic,
+        "critical": each.critical,
+        "error": protocol_further.factor(unit) * each.error,
+        "unit": unit,
+        "redundancy": each.redundancy,
+        "confused_with": list(each.confused_with),
+    }
+
+
+def _search(findings: Findings) -> Record:
+    a = findings.adjustment
+    alpha = familywise(LEVEL, a.observations)
+    return {
+        "test": "tau",
+        "level_of_all": LEVEL,
+        "critical": tau_critical(a.redundancy, alpha),
+        "stopped": findings.snooping.stopped,
+        "sigma0_without": number(findings.snooping.adjustment.sigma0),
+    }

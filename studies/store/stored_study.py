@@ -1,0 +1,53 @@
+"""TODO studies/store/stored_study.py."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+from studies.design import (
+    Plan,
+    read_study,
+)
+from studies.store.store import StoreError, read_json
+
+MOST_DIFFERENCES = 10
+
+
+def _levels(labels: Any) -> str:
+    return (
+        ", ".join(f"{k} {v}" for k, v in labels.items())
+        if isinstance(labels, Mapping) and labels
+        else "without factors"
+    )
+
+
+def _differences(place: str, old: Any, new: Any) -> Iterator[str]:
+    if isinstance(old, Mapping) and isinstance(new, Mapping):
+        for key in dict.fromkeys([*new, *old]):
+            yield from _differences(f"{place}.{key}".removeprefix("."), old.get(key), new.get(key))
+    elif isinstance(old, list) and isinstance(new, list) and len(old) == len(new):
+        for number, pair in enumerate(zip(old, new, strict=True)):
+            yield from _differences(f"{place}[{number}]", *pair)
+    elif old != new:
+        yield f"{place}: the store has {json.dumps(old)[:80]}, the study {json.dumps(new)[:80]}"
+
+
+def study_of(folder: Path) -> Plan:
+    """The plan of the study that a store holds, with the trials and the seed that it was run with.
+
+    Raises StoreError if the folder is no store or its manifest belongs to another study; StudyError, OSError.
+    """
+    if not (folder / "manifest.json").is_file() or not (folder / "study.toml").is_file():
+        raise StoreError(f"{folder}: no study was run into this folder (manifest.json and study.toml are missing)")
+    manifest = read_json(folder / "manifest.json")
+    identity = manifest.get("identity")
+    numbers = (manifest.get("trials"), identity.get("seed")) if isinstance(identity, dict) else ()
+    if not numbers or not all(isinstance(n, int) for n in numbers):
+        raise StoreError(f"{folder / 'manifest.json'}: damaged: it names no study")
+    study = read_study(folder / "study.toml").with_changes(trials=manifest["trials"], seed=manifest["identity"]["seed"])
+    plan = Plan.of(study)
+    plan.refuse_other(manifest)
+    return plan
