@@ -1,6 +1,6 @@
 """From a block to estimates and their quality.
 
-Nothing behind this door is loaded before it is asked for.
+The story is told by bundle.py, the answer is an Adjustment. Nothing behind this door is loaded before it is asked for.
 """
 
 import lazy_loader as lazy

@@ -1,11 +1,12 @@
-"""A simulated photogrammetric world with known truth: scenario + seed -> (block, truth)."""
+"""A simulated photogrammetric world with known truth: scenario + seed -> (block, truth).
 
-from simfield.block.block import Block
-from simfield.files.block_folder import read_block, write_block
-from simfield.scenario.presets import presets
-from simfield.scenario.scenario import Scenario
-from simfield.scenario.scenario_file import changed, read_scenario
-from simfield.simulate import World, build_world, simulate
+The story is told by simulate.py.
+"""
+
+from simfield.block import Block
+from simfield.files import read_block, write_block
+from simfield.scenario import Scenario, changed, presets, read_scenario
+from simfield.simulate import World, build_world, main_points, simulate
 from simfield.truth import Truth, read_truth, write_truth
 
 __all__ = [
@@ -15,6 +16,7 @@ __all__ = [
     "World",
     "build_world",
     "changed",
+    "main_points",
     "presets",
     "read_block",
     "read_scenario",

@@ -9,10 +9,14 @@ from collections.abc import Iterator, Mapping
 from html import escape
 from pathlib import Path
 
-from tests.house import PACKAGES, TOP, House, room_of
+from tests.house import TOP, House, room_of
 from tests.test_house import AGREEMENT, READABLE
 
-MOTTOS = {"simfield": "a world with known truth", "adjust": "from a block to estimates", "studies": "questions put many times"}
+MOTTOS = {
+    "simfield": "a world with known truth",
+    "adjust": "from a block to estimates",
+    "studies": "questions put many times",
+}
 INK, FAINT = "#1b2733", "#55677a"
 COLOURS = {"simfield": "#dcefdc", "adjust": "#d7e8f5", "studies": "#f7e6c8"}
 COLUMN, MARGIN, GAP, HEAD, BOX = 400, 16, 8, 56, 50
@@ -78,7 +82,9 @@ def _box(house: House, room: str, x: float, y: float, width: float) -> Iterator[
     yield _text(x + width / 2, y + 37, small, 10.5, FAINT, "normal", "middle")
 
 
-def _text(x: float, y: float, words: str, size: float, colour: str, weight: str = "normal", anchor: str = "start") -> str:
+def _text(
+    x: float, y: float, words: str, size: float, colour: str, weight: str = "normal", anchor: str = "start"
+) -> str:
     return (
         f'<text x="{x:.1f}" y="{y}" font-size="{size}" fill="{colour}" font-weight="{weight}" '
         f'text-anchor="{anchor}">{escape(words)}</text>'

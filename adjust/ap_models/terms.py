@@ -1,4 +1,4 @@
-"""TODO adjust/ap_models/terms.py."""
+"""Terms of additional parameters: what sets of several families are made of."""
 
 from __future__ import annotations
 

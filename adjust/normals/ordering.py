@@ -1,4 +1,4 @@
-"""TODO adjust/normals/ordering.py."""
+"""The order of images in a banded matrix, and when a band is less work than a dense matrix."""
 
 from __future__ import annotations
 

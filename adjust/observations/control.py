@@ -1,4 +1,4 @@
-"""TODO adjust/observations/control.py."""
+"""Given coordinates with standard deviations: observations of themselves."""
 
 from __future__ import annotations
 

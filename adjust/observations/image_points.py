@@ -1,4 +1,4 @@
-"""TODO adjust/observations/image_points.py."""
+"""Image coordinates as observations: measured + v = projected + d(measured)."""
 
 from __future__ import annotations
 

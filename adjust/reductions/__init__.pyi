@@ -29,6 +29,7 @@ from .reduced_points import Reduced as Reduced
 from .reduction import (
     SWITCHES as SWITCHES,
     Plan as Plan,
+    ReducedBlock as ReducedBlock,
     marks_of as marks_of,
     reduce as reduce,
     through_lens_and_air as through_lens_and_air,

@@ -38,6 +38,12 @@ class InnerOrientation:
     redundancy: Indices
     sigma0_um: Floats
 
+    @property
+    def rms_um(self) -> float:
+        """The quadratic mean of sigma0_um over the images that have one; NaN where none has."""
+        known = self.sigma0_um[np.isfinite(self.sigma0_um)]
+        return float(np.sqrt(np.mean(known**2))) if known.size else float("nan")
+
     def apply(self, xy: Floats, image: Indices) -> Reduced:
         """Points xy (k, 2) of the images (k) in the frame of the calibrated marks."""
         return Reduced.by(xy, _transformed(self.kind, self.parameters[image], _reduced(xy, self.centre[image])))

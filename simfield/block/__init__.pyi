@@ -6,10 +6,8 @@ from .block import (
     Block as Block,
     BlockError as BlockError,
     Camera as Camera,
-    Floats as Floats,
     ImageObservations as ImageObservations,
     Images as Images,
-    Indices as Indices,
     Points as Points,
 )
 from .checks import Floats as Floats, Indices as Indices

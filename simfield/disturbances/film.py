@@ -1,4 +1,4 @@
-"""TODO simfield/disturbances/film.py."""
+"""Deformation of the film: shared by all trials of a flight, or drawn anew for every image or flight of a trial."""
 
 from __future__ import annotations
 

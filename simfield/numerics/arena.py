@@ -1,4 +1,4 @@
-"""TODO simfield/numerics/arena.py."""
+"""Memory for arrays of lanes that is used again and again."""
 
 from __future__ import annotations
 

@@ -1,7 +1,9 @@
 from .dotted_path import put as put
+from .preset_scenarios import presets as presets
 from .scenario import Scenario as Scenario, ScenarioError as ScenarioError
 from .scenario_file import (
     changed as changed,
+    read_scenario as read_scenario,
     scenario_as_table as scenario_as_table,
     scenario_from_table as scenario_from_table,
 )

@@ -29,7 +29,7 @@ from typing import TYPE_CHECKING, Any
 from simfield.block import nearest
 from simfield.disturbances import EFFECTS
 from simfield.scenario.dotted_path import put
-from simfield.scenario.presets import presets
+from simfield.scenario.preset_scenarios import presets
 from simfield.scenario.scenario import Scenario, ScenarioError
 from simfield.scenario.scenario_faults import KINDS, TABLES, fault_lines
 

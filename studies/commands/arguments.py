@@ -1,4 +1,4 @@
-"""TODO studies/commands/arguments.py."""
+"""Arguments that several commands have: folders, and a set of additional parameters with its settings."""
 
 from __future__ import annotations
 
@@ -12,12 +12,11 @@ if TYPE_CHECKING:
 
 
 FOLDER = click.Path(file_okay=False, path_type=Path)
+EXISTING = click.Path(exists=True, file_okay=False, path_type=Path)
 
 
-BLOCK_FOLDER = click.Path(exists=True, file_okay=False, path_type=Path)
-
-
-def _model(model_id: str, settings: tuple[str, ...]) -> ApModel:
+def model_of(model_id: str, settings: tuple[str, ...]) -> ApModel:
+    """The set with this id and these settings NAME=VALUE. Raises click.UsageError."""
     from adjust import ap_models
 
     try:

@@ -1,4 +1,4 @@
-"""TODO studies/commands/blocks.py."""
+"""The commands of blocks: simulate and adjust."""
 
 from __future__ import annotations
 
@@ -13,13 +13,33 @@ from studies.commands.late_choice import LateChoice
 if TYPE_CHECKING:
     from adjust import Adjustment
     from adjust.model import ApBy
-from studies.commands.arguments import BLOCK_FOLDER, FOLDER, _model
+from studies.commands.arguments import EXISTING, FOLDER, model_of
 from studies.commands.exits import Failure
-from studies.commands.program import further_tables, main, owners_of_sets, stages
 
 
-@main.command()
-@click.argument("folder", metavar="BLOCK_DIR", type=BLOCK_FOLDER)
+def stages() -> tuple[str, ...]:
+    """The stages of the measurement chain."""
+    from simfield.chain import STAGES
+
+    return tuple(STAGES)
+
+
+def further_tables() -> tuple[str, ...]:
+    """The further observations of a block."""
+    from simfield.block import TABLES
+
+    return TABLES
+
+
+def owners_of_sets() -> tuple[str, ...]:
+    """Whose sets of additional parameters there may be."""
+    from adjust.model import CHOICES
+
+    return CHOICES
+
+
+@click.command()
+@click.argument("folder", metavar="BLOCK_DIR", type=EXISTING)
 @click.option(
     "--ap", "model_id", metavar="ID", required=True, help="Additional parameters; `simfield models` lists them."
 )
@@ -63,7 +83,7 @@ def adjust(
     from simfield.files import BlockFolderError, read_block
     from studies.protocol import adjustment_page
 
-    model = _model(model_id, settings)
+    model = model_of(model_id, settings)
     try:
         block = read_block(folder)
     except BlockFolderError as error:
@@ -90,7 +110,7 @@ def adjust(
         click.echo(adjustment_page.sets_line(coarse, a, ap_by), err=json_path == "-")
 
 
-@main.command()
+@click.command()
 @click.argument("source", metavar="PRESET|SCENARIO.toml")
 @click.option("--seed", type=click.IntRange(0), required=True, help="Seed of all that is random.")
 @click.option("--trial", type=click.IntRange(0), default=0, show_default=True, help="Number of the trial.")

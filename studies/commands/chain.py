@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Iterator
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
-import numpy as np
 
-from adjust.reductions import Plan, reduce
-from simfield import write_block
-from simfield.files import read_raw
+from studies.commands.arguments import EXISTING, FOLDER
 from studies.commands.late_choice import LateChoice
 
-FOLDER = click.Path(file_okay=False, path_type=Path)
-RAW_FOLDER = click.Path(exists=True, file_okay=False, path_type=Path)
+if TYPE_CHECKING:
+    from adjust.reductions import Plan, ReducedBlock
 
 
 def switches() -> tuple[str, ...]:
@@ -30,14 +30,8 @@ def inner_kinds() -> tuple[str, ...]:
     return tuple(PARAMETERS)
 
 
-def register(main: click.Group) -> None:
-    """Add the commands of this module."""
-    main.add_command(reduce)
-    main.add_command(budget)
-
-
 @click.command()
-@click.argument("raw", metavar="RAW_DIR", type=RAW_FOLDER)
+@click.argument("raw", metavar="RAW_DIR", type=EXISTING)
 @click.option("-o", "--out", "folder", type=FOLDER, required=True, help="Block folder to write.")
 @click.option(
     "--inner",
@@ -51,15 +45,18 @@ def register(main: click.Group) -> None:
 @click.option("--threshold", type=click.FloatRange(0.0), default=15.0, show_default=True, help="Double settings, um.")
 def reduce(raw: Path, folder: Path, inner: str, reseau: int | None, without: tuple[str, ...], threshold: float) -> None:
     """Reduce comparator coordinates (`simfield simulate --raw`) to a block folder; say what was removed."""
-    from adjust.reductions import SWITCHES, Plan
-    from simfield.files import BlockFolderError
+    from adjust import reductions
+    from simfield.files import BlockFolderError, read_raw, write_block
 
-    wanted = {name: name not in without for name in SWITCHES}
-    plan = Plan(inner=inner, threshold_um=threshold, reseau_degree=reseau, **wanted)  # type: ignore[arg-type]
+    wanted = {name: name not in without for name in reductions.SWITCHES}
+    plan = reductions.Plan(inner=inner, threshold_um=threshold, reseau_degree=reseau, **wanted)  # type: ignore[arg-type]
     try:
-        click.echo(reduce_folder(raw, folder, plan))
+        done = reductions.reduce(read_raw(raw), plan)
+        write_block(done.block, folder)
     except (BlockFolderError, ValueError) as error:
         raise click.ClickException(str(error)) from error
+    for line in _removed(folder, done, plan):
+        click.echo(line)
 
 
 @click.command()
@@ -77,22 +74,13 @@ def budget(out: Path, trials: int, seed: int) -> None:
         raise click.ClickException(str(error)) from error
 
 
-def reduce_folder(raw_folder: Path, folder: Path, plan: Plan) -> str:
-    """Reduce a measured file and write the block folder; a few lines that say what was removed.
-
-    Raises BlockFolderError for a folder that cannot be read or written and ValueError for one that cannot be reduced.
-    """
-    done = reduce(read_raw(raw_folder), plan)
-    write_block(done.block, folder)
-    lines = [f"{folder}: {len(done.block.images)} images, {len(done.block.observations)} image points"]
-    lines += [f"  {name:<18} {value:8.2f} um removed (rms of a coordinate)" for name, value in done.rms_um.items()]
-    if np.isfinite(done.double.sigma_um):
-        doubtful = int(done.double.doubtful.sum())
-        lines.append(
-            f"  one setting        {done.double.sigma_um:8.2f} um, {doubtful} differences beyond "
-            f"{plan.threshold_um:g} um"
-        )
-    sigma = done.inner.sigma0_um
-    if np.isfinite(sigma).any():
-        lines.append(f"  fiducial residuals {np.sqrt(np.nanmean(sigma**2)):8.2f} um ({done.inner.kind})")
-    return "\n".join(lines)
+def _removed(folder: Path, done: ReducedBlock, plan: Plan) -> Iterator[str]:
+    """What was removed, in a few lines."""
+    yield f"{folder}: {len(done.block.images)} images, {len(done.block.observations)} image points"
+    for name, value in done.rms_um.items():
+        yield f"  {name:<18} {value:8.2f} um removed (rms of a coordinate)"
+    if math.isfinite(done.double.sigma_um):
+        beyond = f"{int(done.double.doubtful.sum())} differences beyond {plan.threshold_um:g} um"
+        yield f"  one setting        {done.double.sigma_um:8.2f} um, {beyond}"
+    if math.isfinite(done.inner.rms_um):
+        yield f"  fiducial residuals {done.inner.rms_um:8.2f} um ({done.inner.kind})"

@@ -1,28 +1,19 @@
-"""TODO studies/commands/exits.py."""
+"""How commands fail: exit codes, and failures of studies in the words of a shell."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+import contextlib
+from collections.abc import Iterator
 
 import click
 
-if TYPE_CHECKING:
-    pass
-import contextlib
-from collections.abc import Iterator
-from typing import TYPE_CHECKING
-
-if TYPE_CHECKING:
-    pass
+LOCKED = 75
 
 
 class Failure(click.ClickException):
     """The data or the computation failed: one line, exit 1."""
 
     exit_code = 1
-
-
-LOCKED = 75
 
 
 class StoreFailure(click.ClickException):
@@ -38,7 +29,7 @@ class Held(click.ClickException):
 
 
 @contextlib.contextmanager
-def _exit_codes() -> Iterator[None]:
+def exit_codes() -> Iterator[None]:
     """Failures of studies as the exit codes that a shell sees, each with its lines and no traceback."""
     from simfield.scenario import ScenarioError
     from studies.design import StudyError

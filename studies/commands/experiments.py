@@ -1,17 +1,13 @@
-"""TODO studies/commands/experiments.py."""
+"""The command that repeats published experiments: reproduce."""
 
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import click
 
-if TYPE_CHECKING:
-    pass
 from studies.commands.arguments import FOLDER
 from studies.commands.exits import Failure
-from studies.commands.program import main
 
 DEFAULT_TRIALS = 200
 
@@ -19,7 +15,7 @@ DEFAULT_TRIALS = 200
 DEFAULT_SEED = 1980
 
 
-@main.command()
+@click.command()
 @click.argument("what", metavar="EXPERIMENT", type=click.Choice(["mauelshagen-1980", "ziemann-1982"]))
 @click.option("--out", type=FOLDER, help="Folder for the results.  [default: results/EXPERIMENT]")
 @click.option("--trials", type=click.IntRange(2), default=DEFAULT_TRIALS, show_default=True, help="Simulated flights.")

@@ -9,43 +9,20 @@ from __future__ import annotations
 import signal
 import sys
 import threading
-from typing import TYPE_CHECKING, Any, NoReturn
+from typing import Any, NoReturn
 
 import click
 
-from studies.commands import (
-    chain as cli_chain,
-    quality as cli_quality,
-    report as cli_report,
-    studies as cli_studies,
-    teach as cli_teach,
-)
-from studies.session import installation
-
-if TYPE_CHECKING:
-    pass
+from studies.commands.blocks import adjust, simulate
+from studies.commands.chain import budget, reduce
 from studies.commands.exits import Failure
-
-
-def stages() -> tuple[str, ...]:
-    """The stages of the measurement chain."""
-    from simfield.chain import STAGES
-
-    return tuple(STAGES)
-
-
-def further_tables() -> tuple[str, ...]:
-    """The further observations of a block."""
-    from simfield.block import TABLES
-
-    return TABLES
-
-
-def owners_of_sets() -> tuple[str, ...]:
-    """Whose sets of additional parameters there may be."""
-    from adjust.model import CHOICES
-
-    return CHOICES
+from studies.commands.experiments import reproduce
+from studies.commands.quality import detection
+from studies.commands.report import report
+from studies.commands.sets import models
+from studies.commands.studies import replay, run, studies, verify
+from studies.commands.teach import teach
+from studies.session import installation
 
 
 class Program(click.Group):
@@ -76,21 +53,6 @@ def main(ctx: click.Context) -> None:
             raise Failure(f"{sentence}; `simfield doctor` says more")
 
 
-cli_studies.register(main)
-
-
-cli_chain.register(main)
-
-
-cli_quality.register(main)
-
-
-cli_report.register(main)
-
-
-cli_teach.register(main)
-
-
 @main.command()
 def doctor() -> None:
     """Say whether this installation is sound: packages, where they are, versions."""
@@ -107,3 +69,9 @@ def doctor() -> None:
     if missing:
         raise Failure(f"missing: {', '.join(missing)}; pip install {' '.join(missing)}")
     click.echo("all is well")
+
+
+for command in (
+    *(adjust, budget, detection, models, reduce, replay, report, reproduce, run, simulate, studies, teach, verify),
+):
+    main.add_command(command)

@@ -6,12 +6,7 @@ from pathlib import Path
 
 import click
 
-FOLDER = click.Path(file_okay=False, path_type=Path)
-
-
-def register(main: click.Group) -> None:
-    """Add the command of this module."""
-    main.add_command(detection)
+from studies.commands.arguments import FOLDER
 
 
 @click.command()

@@ -6,17 +6,13 @@ from pathlib import Path
 
 import click
 
-RESULTS = click.Path(exists=True, file_okay=False, path_type=Path)
+from studies.commands.arguments import EXISTING
+
 PAGE = click.Path(dir_okay=False, path_type=Path)
 
 
-def register(main: click.Group) -> None:
-    """Add the command of this module."""
-    main.add_command(report)
-
-
 @click.command()
-@click.argument("folder", metavar="DIR", type=RESULTS)
+@click.argument("folder", metavar="DIR", type=EXISTING)
 @click.option("-o", "--out", type=PAGE, help="File to write.  [default: DIR/report.html]")
 def report(folder: Path, out: Path | None) -> None:
     """Make one HTML file of a folder of results: of a study, a reproduction, or the error budget.

@@ -1,19 +1,15 @@
-"""TODO studies/commands/sets.py."""
+"""The command that shows sets of additional parameters: models."""
 
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import click
 
-if TYPE_CHECKING:
-    pass
-from studies.commands.arguments import _model
-from studies.commands.program import main
+from studies.commands.arguments import model_of
 
 
-@main.command()
+@click.command()
 @click.argument("model_id", metavar="[ID]", required=False)
 @click.option("--set", "settings", metavar="NAME=VALUE", multiple=True, help="A setting of the model.")
 @click.option("--draw", type=click.Path(dir_okay=False, path_type=Path), help="Draw its terms (.svg, .png).")
@@ -26,7 +22,7 @@ def models(model_id: str | None, settings: tuple[str, ...], draw: Path | None) -
             raise click.UsageError("--draw needs the ID of a model")
         click.echo(models_page.table(), nl=False)
         return
-    model = _model(model_id, settings)
+    model = model_of(model_id, settings)
     click.echo(models_page.describe(model), nl=False)
     if draw is None:
         return

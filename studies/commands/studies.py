@@ -1,6 +1,7 @@
 """The commands that run studies: run, studies, verify, replay.
 
-Exit 3: a store that is damaged or belongs to another study; 75: another run holds it; others as in studies.commands.program.
+Exit 3: a store that is damaged or belongs to another study; 75: another run holds it; others as in
+studies.commands.program.
 """
 
 from __future__ import annotations
@@ -11,24 +12,14 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from studies.commands.arguments import EXISTING, FOLDER
+
 if TYPE_CHECKING:
     from studies.design import Plan, Study
-from studies.commands.exits import StoreFailure, _exit_codes
-
-FOLDER = click.Path(file_okay=False, path_type=Path)
-
-
-STORE = click.Path(exists=True, file_okay=False, path_type=Path)
-
+from studies.commands.exits import StoreFailure, exit_codes
 
 SECONDS_AN_ADJUSTMENT = 2e-8
 """expected time of one adjusted trial for each image point, measured on one core of 2026 with blocks of 3300 of them"""
-
-
-def register(program: click.Group) -> None:
-    """Add the commands of this module to the program."""
-    for command in (run, studies, verify, replay):
-        program.add_command(command)
 
 
 def _part(ctx: click.Context, parameter: click.Parameter, value: str | None) -> tuple[int, int] | None:
@@ -69,7 +60,7 @@ def run(
     """
     if (backend == "dask") != (scheduler is not None):
         raise click.UsageError("--backend dask and --scheduler ADDRESS belong together")
-    with _exit_codes():
+    with exit_codes():
         from studies.design import shipped
 
         asked = shipped.study(source).with_changes(trials=trials, seed=seed)
@@ -158,10 +149,10 @@ def studies() -> None:
 
 
 @click.command()
-@click.argument("folder", metavar="DIR", type=STORE)
+@click.argument("folder", metavar="DIR", type=EXISTING)
 def verify(folder: Path) -> None:
     """Read everything in a store again and compute some trials again, bit by bit."""
-    with _exit_codes():
+    with exit_codes():
         from studies.run import verify as verify_store
 
         defects = verify_store(folder, lambda line: click.echo(line, err=True))
@@ -181,7 +172,7 @@ def replay(source: str, condition: str, trial: int) -> None:
 
     CONDITION is an id, its beginning, or its number in the dry run.
     """
-    with _exit_codes():
+    with exit_codes():
         from studies.run import condition_named, replay as replay_trial
 
         plan = _plan(source)

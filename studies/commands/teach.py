@@ -28,8 +28,3 @@ def teach(port: int, browser: bool) -> None:
         serve(port, browser=browser, say=lambda line: click.echo(line, err=not line.startswith("open ")))
     except OSError as error:
         raise Failure(f"port {port} of 127.0.0.1 cannot be taken: {error.strerror or error}") from error
-
-
-def register(program: click.Group) -> None:
-    """Add the command of this module to the program."""
-    program.add_command(teach)

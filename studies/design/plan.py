@@ -6,20 +6,33 @@ import hashlib
 import json
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from studies.design.conditions import Condition, base_table, conditions_of
 from studies.design.methods import Method, methods_of
 from studies.design.study import Study
-from studies.store import (
-    MOST_DIFFERENCES,
-    StoreError,
-    _differences,
-    _levels,
-)
 
-if TYPE_CHECKING:
-    pass
+SCHEMA = 1
+"""of the store that belongs to a plan"""
+
+
+@dataclass(frozen=True)
+class BlockTask:
+    """Trials first .. stop - 1 of a condition; lost: trials that are not computed any more, and what became of them."""
+
+    condition: Condition
+    methods: tuple[Method, ...]
+    block: int
+    first: int
+    stop: int
+    lost: Mapping[int, str] = field(default_factory=dict)
+
+    def __len__(self) -> int:
+        return self.stop - self.first
+
+    @property
+    def name(self) -> tuple[str, int]:
+        return self.condition.id, self.block
 
 
 @dataclass(frozen=True)
@@ -86,42 +99,3 @@ class Plan:
             "conditions": {c.id: c.columns for c in self.conditions},
             **provenance,
         }
-
-    def refuse_other(self, manifest: Mapping[str, Any]) -> None:
-        """Raise StoreError, a line for each difference, if the manifest is that of another study."""
-        lines = list(_differences("", manifest.get("identity", {}), self.identity))
-        if not lines:
-            ids = {c.id for c in self.conditions}
-            gone = [labels for key, labels in manifest.get("conditions", {}).items() if key not in ids]
-            lines = [f"condition {_levels(labels)} is in the store and no longer in the study" for labels in gone]
-            kept = {m.key for m in self.methods}
-            lines += [
-                f"method {key!r} is in the store and no longer in the study"
-                for key in manifest.get("methods", [])
-                if key not in kept
-            ]
-        if lines:
-            more = [f"and {len(lines) - MOST_DIFFERENCES} more"] if len(lines) > MOST_DIFFERENCES else []
-            raise StoreError("\n".join([*lines[:MOST_DIFFERENCES], *more]))
-
-
-@dataclass(frozen=True)
-class BlockTask:
-    """Trials first .. stop - 1 of a condition; lost: trials that are not computed any more, and what became of them."""
-
-    condition: Condition
-    methods: tuple[Method, ...]
-    block: int
-    first: int
-    stop: int
-    lost: Mapping[int, str] = field(default_factory=dict)
-
-    def __len__(self) -> int:
-        return self.stop - self.first
-
-    @property
-    def name(self) -> tuple[str, int]:
-        return self.condition.id, self.block
-
-
-SCHEMA = 1

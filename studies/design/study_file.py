@@ -1,4 +1,4 @@
-"""TODO studies/design/study_file.py."""
+"""A study from its TOML file, or every fault of the file at once."""
 
 from __future__ import annotations
 

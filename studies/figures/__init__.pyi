@@ -40,4 +40,4 @@ from .measures import (
     series_of as series_of,
     with_unit as with_unit,
 )
-from .trials import lollipops as lollipops, nested_loop as nested_loop, zip_plot as zip_plot
+from .trials import INTERVAL as INTERVAL, lollipops as lollipops, nested_loop as nested_loop, zip_plot as zip_plot

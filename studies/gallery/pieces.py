@@ -11,11 +11,9 @@ from adjust import Adjustment, Replicates, adjust_block, adjust_replicates, ap_m
 from simfield import Truth, World, build_world, presets
 from simfield.block import Block, Floats
 from simfield.scenario import changed
+from studies import figures
 from studies.comparison import CONFIDENCE, block_views, distortion
-from studies.figures import (
-    images as figures,
-    new_figure,
-)
+from studies.figures import new_figure
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

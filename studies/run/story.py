@@ -15,7 +15,7 @@ from studies.run.backends import Broken
 from studies.run.work import Done, run_task
 from studies.run.worker import become_main
 from studies.session import machine
-from studies.store import Shard, Store, locked, look_at
+from studies.store import Shard, Store, locked, look_at, refuse_other
 from studies.summary import stopping
 from studies.trials import Draw, compute, image_points
 
@@ -92,7 +92,7 @@ def opened(folder: Path, plan: Plan) -> Store:
     store = Store(folder, plan.identity_hash)
     manifest = store.read_manifest()
     if manifest is not None:
-        plan.refuse_other(manifest)
+        refuse_other(plan, manifest)
     write_whole(folder / "study.toml", plan.study.text.encode())
     store.write_manifest(plan.manifest(machine()))
     return store

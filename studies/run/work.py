@@ -1,15 +1,12 @@
-"""TODO studies/run/work.py."""
+"""One block of trials computed and written: what a process is given to do."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
-from studies.store import NOMINAL, Store
-
-if TYPE_CHECKING:
-    pass
 from studies.design import BlockTask
+from studies.run.worker import prepare
+from studies.store import NOMINAL, Store
 from studies.trials import Draw, compute
 
 
@@ -27,8 +24,6 @@ class Done:
 
 def run_task(store: Store, draw: Draw, task: BlockTask) -> Done:
     """Compute a block and write its shard. Raises OSError where it cannot be written."""
-    from studies.run.worker import prepare
-
     prepare()
     columns, nominal, reasons = compute(task, draw)
     if task.block == 0:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from importlib.util import find_spec
 from pathlib import Path
 
-MARKS = {"simfield": "block.py", "adjust": "bundle.py", "studies": "installation.py"}
+MARKS = {"simfield": "simulate.py", "adjust": "bundle.py", "studies": "session/installation.py"}
 """a file of ours that an unrelated package of the same name has not"""
 LIBRARIES = (
     *("numpy", "scipy", "pandas", "matplotlib", "joblib", "numba", "click", "pydantic", "tqdm", "threadpoolctl"),
@@ -15,7 +15,7 @@ LIBRARIES = (
 
 def home() -> Path:
     """The folder that holds our packages."""
-    return Path(__file__).resolve().parents[1]
+    return Path(__file__).resolve().parents[2]
 
 
 def shadows() -> list[str]:

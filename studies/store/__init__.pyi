@@ -17,8 +17,6 @@ from .store import (
     read_json as read_json,
 )
 from .stored_study import (
-    MOST_DIFFERENCES as MOST_DIFFERENCES,
-    _differences as _differences,
-    _levels as _levels,
+    refuse_other as refuse_other,
     study_of as study_of,
 )

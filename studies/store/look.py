@@ -1,8 +1,10 @@
-"""TODO studies/store/look.py."""
+"""What is found in the place of a block of trials, and the trials of a condition put together."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+
+import numpy as np
 
 from studies.design import Condition, Plan
 from studies.store.shards import BEFORE, Columns, DamageError, ForeignError
@@ -41,8 +43,6 @@ def look_at(store: Store, plan: Plan, condition: Condition, block: int) -> Shard
 
 def joined(store: Store, plan: Plan, condition: Condition, trials: int) -> tuple[Columns, Columns]:
     """The columns of the first trials of a condition, and its nominal ones. Raises DamageError, FileNotFoundError."""
-    import numpy as np
-
     size = plan.study.trials.block
     blocks = -(-trials // size)
     parts = [store.read_shard(condition.id, block, size) for block in range(blocks)]

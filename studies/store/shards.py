@@ -11,14 +11,10 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-
-if TYPE_CHECKING:
-    pass
-
 
 FORMAT = "simfield-shard-1"
 KEY = b"simfield"
@@ -28,7 +24,10 @@ MOST_BYTES = 1 << 30
 MOST_COLUMNS = 100_000
 DTYPES = {np.dtype(name): name for name in ("int8", "float64")}
 
-Columns = Mapping[str, npt.NDArray[Any]]
+Columns = dict[str, npt.NDArray[Any]]
+"""the columns of trials by their names"""
+BEFORE = "|"
+"""stands between method and quantity in a column's name"""
 
 
 class DamageError(ValueError):
@@ -133,10 +132,3 @@ def _values(column: Any) -> npt.NDArray[Any]:
 
 def _first_line(error: BaseException) -> str:
     return (str(error).splitlines() or [type(error).__name__])[0][:200]
-
-
-Columns = dict[str, npt.NDArray[Any]]
-
-
-BEFORE = "|"
-"""stands between method and quantity in a column's name"""

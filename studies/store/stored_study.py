@@ -1,4 +1,4 @@
-"""TODO studies/store/stored_study.py."""
+"""The study that a store belongs to, and how another one differs from it."""
 
 from __future__ import annotations
 
@@ -14,6 +14,24 @@ from studies.design import (
 from studies.store.store import StoreError, read_json
 
 MOST_DIFFERENCES = 10
+
+
+def refuse_other(plan: Plan, manifest: Mapping[str, Any]) -> None:
+    """Raise StoreError, a line for each difference, if the manifest is that of another study."""
+    lines = list(_differences("", manifest.get("identity", {}), plan.identity))
+    if not lines:
+        ids = {c.id for c in plan.conditions}
+        gone = [labels for key, labels in manifest.get("conditions", {}).items() if key not in ids]
+        lines = [f"condition {_levels(labels)} is in the store and no longer in the study" for labels in gone]
+        kept = {m.key for m in plan.methods}
+        lines += [
+            f"method {key!r} is in the store and no longer in the study"
+            for key in manifest.get("methods", [])
+            if key not in kept
+        ]
+    if lines:
+        more = [f"and {len(lines) - MOST_DIFFERENCES} more"] if len(lines) > MOST_DIFFERENCES else []
+        raise StoreError("\n".join([*lines[:MOST_DIFFERENCES], *more]))
 
 
 def _levels(labels: Any) -> str:
@@ -49,5 +67,5 @@ def study_of(folder: Path) -> Plan:
         raise StoreError(f"{folder / 'manifest.json'}: damaged: it names no study")
     study = read_study(folder / "study.toml").with_changes(trials=manifest["trials"], seed=manifest["identity"]["seed"])
     plan = Plan.of(study)
-    plan.refuse_other(manifest)
+    refuse_other(plan, manifest)
     return plan

@@ -70,7 +70,7 @@ def _world(found: Findings) -> Iterator[str]:
     yield _page_of(found)
     yield (
         "Not known and assumed: whatever the sources in `simfield/world/cameras.py`, `simfield/world/fields.py` and "
-        "`simfield/scenario/presets.py` call an assumption, above all the distortions, the distance within a group, and which "
+        "`simfield/scenario/preset_scenarios.py` call an assumption, above all the distortions, the distance within a group, and which "
         "points were not measured.\n"
     )
     yield _figure("plan")

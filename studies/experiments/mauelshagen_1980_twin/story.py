@@ -7,7 +7,13 @@ from pathlib import Path
 
 from simfield.files import make_folder, whole_folder
 from simfield.scenario import scenario_as_table
-from studies.experiments.mauelshagen_1980 import OLDER, Reproduction, table1, write_provenance
+from studies.experiments.mauelshagen_1980 import (
+    OLDER,
+    Reproduction,
+    ReproductionError as ReproductionError,
+    table1,
+    write_provenance,
+)
 from studies.experiments.mauelshagen_1980_twin import drawings, pages
 from studies.experiments.mauelshagen_1980_twin.findings import Findings, compute
 from studies.figures import house_style, save
