@@ -6,6 +6,8 @@ from importlib.util import find_spec
 
 import click
 
+from studies.commands.exits import Failure
+
 INSTALL = "pip install 'simfield[teach]'"
 
 
@@ -21,7 +23,6 @@ def teach(port: int, browser: bool) -> None:
     """
     if find_spec("marimo") is None:
         raise click.UsageError(f"the lessons need marimo: {INSTALL}")
-    from studies.commands.exits import Failure
     from studies.lessons import serve
 
     try:

@@ -1,12 +1,7 @@
 from . import shipped as shipped
-from .conditions import (
-    Condition as Condition,
-    base_table as base_table,
-    conditions_of as conditions_of,
-    factor_names as factor_names,
-)
+from .conditions import Condition as Condition, factor_names as factor_names
 from .factors import factor_named as factor_named, level_label as level_label
-from .methods import ALL as ALL, Method as Method, methods_of as methods_of, references as references
+from .methods import ALL as ALL, Method as Method, references as references
 from .plan import SCHEMA as SCHEMA, BlockTask as BlockTask, Plan as Plan
 from .study import Study as Study, StudyError as StudyError
 from .study_file import read_study as read_study

@@ -4,17 +4,17 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Mapping
-from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from dataclasses import dataclass, field, fields
+from typing import Any
 
 from adjust import ap_models
+from adjust.ap_models import MODELS, ApModel
 from simfield.block import nearest, shown
 from studies.design.factors import canonical_text
 from studies.design.study import Study
 
-if TYPE_CHECKING:
-    from adjust import ApModel
-
+MODEL_SETTINGS: Mapping[str, tuple[str, ...]] = {model.id: tuple(f.name for f in fields(model)) for model in MODELS}
+"""the settings that each AP model of the catalogue takes"""
 KEYS = ("ap", "cameras", "aux_points", "image_um", "control_mm")
 ALL = "all"
 
@@ -158,14 +158,14 @@ def _ap_faults(level: Any) -> list[str]:
         return [f': found {shown(level)}, allowed: the id of an AP model or {{id = "optical", r0_mm = 90}}']
     if ":" in model:  # a set of the user's own, which is not loaded before it is used
         return []
-    if model not in ap_models.names():
-        return [f": no AP model {model!r}{nearest(model, ap_models.names())}"]
+    if model not in MODEL_SETTINGS:
+        return [f": no AP model {model!r}{nearest(model, MODEL_SETTINGS)}"]
     if not isinstance(level, Mapping):
         return []
-    faults, settings = [], tuple(ap_models.get(model).settings)
+    faults = []
     for name, value in level.items():
-        if name != "id" and name not in settings:
-            allowed = nearest(name, settings) if settings else "; it has none"
+        if name != "id" and name not in MODEL_SETTINGS[model]:
+            allowed = nearest(name, MODEL_SETTINGS[model]) if MODEL_SETTINGS[model] else "; it has none"
             faults.append(f".{name}: unknown setting of {model}{allowed}")
         elif name == "without":
             if not isinstance(value, list | tuple) or not all(isinstance(v, str) for v in value):

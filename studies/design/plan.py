@@ -1,4 +1,4 @@
-"""What a study asks to be computed: conditions, methods, blocks of trials; and what its store must agree with."""
+"""What a study asks to be computed: conditions, methods, blocks of trials."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from studies.design.methods import Method, methods_of
 from studies.design.study import Study
 
 SCHEMA = 1
-"""of the store that belongs to a plan"""
+"""of what identifies a study; another one makes every store another study's"""
 
 
 @dataclass(frozen=True)

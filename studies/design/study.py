@@ -1,15 +1,4 @@
-"""The study file: a question, its factors, methods and trials, read from TOML with every fault named at once.
-
-[study]      name, question, seed
-[trials]     max, min, block (trials a shard, a multiple of 32), target_mcse = {measure = standard error}
-[scenario]   preset and changes to it, as in a scenario file
-[factors]    own names for dotted paths of the scenario: lens = {paths = ["effects[0].effect.k1"], times = true}
-[grid]       crossed factors with their levels        [[zip]]      factors that move together
-[[exclude]]  levels that are left out                 [[include]]  conditions that are added
-[methods]    crossed: ap, cameras, aux_points, image_um, control_mm
-[paired]     factors that share their random numbers; against = the levels that methods are compared with
-[report]     x (a factor), measures to draw, least_correlation
-"""
+"""A study: a question, its factors, methods and trials, as values."""
 
 from __future__ import annotations
 
@@ -19,8 +8,6 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 NAME = re.compile(r"[a-z0-9_-]{1,64}\Z")
-
-
 LEAST_TRIALS = 500
 """no condition is stopped early before it has so many trials: an early standard error is too easily too small"""
 

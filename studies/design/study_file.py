@@ -1,4 +1,15 @@
-"""A study from its TOML file, or every fault of the file at once."""
+"""The study file: a question, its factors, methods and trials, read from TOML with every fault named at once.
+
+[study]      name, question, seed
+[trials]     max, min, block (trials a shard, a multiple of 32), target_mcse = {measure = standard error}
+[scenario]   preset and changes to it, as in a scenario file
+[factors]    own names for dotted paths of the scenario: lens = {paths = ["effects[0].effect.k1"], times = true}
+[grid]       crossed factors with their levels        [[zip]]      factors that move together
+[[exclude]]  levels that are left out                 [[include]]  conditions that are added
+[methods]    crossed: ap, cameras, aux_points, image_um, control_mm
+[paired]     factors that share their random numbers; against = the levels that methods are compared with
+[report]     x (a factor), measures to draw, least_correlation
+"""
 
 from __future__ import annotations
 
@@ -9,18 +20,16 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import fields, replace
 from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
+
+from pydantic import ConfigDict, TypeAdapter, ValidationError, with_config
+from pydantic_core import ErrorDetails
 
 from simfield.block import nearest, shown
-
-if TYPE_CHECKING:
-    from pydantic import TypeAdapter
-    from pydantic_core import ErrorDetails
 from studies.design.study import Factor, Heading, Paired, Report, Study, StudyError, Trials
+from studies.design.study_faults import faults_of
 
 LARGEST_FILE = 256 * 1024
-
-
 LARGEST_NUMBER = 2**63 - 1
 
 
@@ -80,10 +89,6 @@ def _impossible(node: Any, place: str) -> Iterator[str]:
 
 
 def _checked(table: Mapping[str, Any], text: str) -> Study:
-    from pydantic import ValidationError
-
-    from studies.design.study_faults import faults_of
-
     if "text" in table:
         raise StudyError(f"text: unknown key{nearest('text', known_keys())}")
     try:
@@ -106,10 +111,6 @@ HANGS_ON = ("grid", "zip", "factors", "methods", "scenario")
 
 def _further_faults(table: Mapping[str, Any], details: Sequence[ErrorDetails]) -> list[str]:
     """What else is wrong in a table of the wrong form, seen after its entries of the wrong form are taken out."""
-    from pydantic import ValidationError
-
-    from studies.design.study_faults import faults_of
-
     repaired = json.loads(json.dumps(table))
     for detail in details:
         _take_out(repaired, detail["loc"])
@@ -143,8 +144,6 @@ def _take_out(table: Any, place: Sequence[int | str]) -> None:
 
 @cache
 def _adapter() -> TypeAdapter[Study]:
-    from pydantic import ConfigDict, TypeAdapter, with_config
-
     tables: tuple[type[Any], ...] = (Study, *TABLES.values())
     for table in tables:
         with_config(ConfigDict(extra="forbid", allow_inf_nan=False))(table)

@@ -14,7 +14,7 @@ from adjust import ApModel, adjust_replicates
 from adjust.reductions import Plan, reduce
 from simfield import World, build_world
 from simfield.block import Block, Floats, ImageObservations
-from simfield.chain import Air, Chain, Comparator, Errors, Prepared, prepare
+from simfield.chain import FILM, Air, Chain, Comparator, Errors, Prepared, prepare
 from simfield.disturbances import Noise
 from simfield.scenario import Scenario
 from studies.summary import performance
@@ -89,8 +89,6 @@ def table(budget: Budget, trials: int, seed: int, report: Callable[[int], object
 
 
 def _is_film(effect: object) -> bool:
-    from simfield.chain import FILM
-
     return isinstance(effect, FILM)
 
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from simfield.block import Block, Floats, Indices
+from studies.comparison import PointErrors
 from studies.figures.canvas import BLACK, BLUE, COLOURS, GREY, VERMILION, literal
 
 if TYPE_CHECKING:
@@ -15,8 +16,6 @@ if TYPE_CHECKING:
     from matplotlib.collections import PathCollection
     from matplotlib.colorbar import Colorbar
     from matplotlib.figure import Figure
-
-    from studies.comparison import PointErrors
 
 MARKS: Mapping[str, tuple[str, str, float]] = {
     "control": ("^", BLACK, 34.0),

@@ -8,13 +8,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from simfield.block import Floats
+from studies.comparison import RadialCurve, VectorField
 from studies.figures.canvas import BLACK, BLUE, COLOURS, GREEN, GREY, MARKERS, VERMILION
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.collections import QuadMesh
-
-    from studies.comparison import RadialCurve, VectorField
 
 POINT_UNIT_MM = 10.0
 HALF_FORMAT_MM = 115.0

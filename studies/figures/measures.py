@@ -9,11 +9,10 @@ import numpy as np
 
 from simfield.block import Floats
 from studies.figures.canvas import COLOURS, MARKERS, literal
+from studies.summary import Row
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-
-    from studies.summary import Row
 
 MOST_SERIES = 12
 INTERVAL = 1.96

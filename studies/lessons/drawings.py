@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from simfield.block import Floats
+from studies.comparison import VectorField
 from studies.figures import BLACK, BLUE, COLOURS, GREEN, GREY, HALF_FORMAT_MM, MARKERS, ORANGE, POINT_UNIT_MM, VERMILION
 from studies.lessons.gross_error import CRITICAL, SIZE_MOST_UM, Planted
 from studies.lessons.interval import Repeated
@@ -19,8 +20,6 @@ from studies.lessons.which_model import Compared
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.collections import PathCollection
-
-    from studies.comparison import VectorField
 
 INTERVALS_SHOWN = 100
 

@@ -8,18 +8,22 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
+
+import numpy as np
+from scipy.special import stdtrit
 
 from simfield.files import settle
+from simfield.scenario import ScenarioError
+from studies.comparison import CONFIDENCE
+from studies.design import Plan, StudyError
+from studies.pages import study_page
+from studies.pages.study_drawings import FOLLOWED, Drawn, Trials, chosen_methods
+from studies.pages.study_page import provenance_table
 from studies.session import versions
-from studies.store import DamageError, Store, StoreError, read_json
-from studies.summary import NothingToReportError, summary_file
+from studies.store import DamageError, Store, StoreError, joined, read_json, study_of
+from studies.summary import Cell, NothingToReportError, Summary, summarise, summary_file, trials_of
 from studies.texts import MOST_BYTES, Drawing, DrawingError, converted, escaped, fenced, inline
-
-if TYPE_CHECKING:
-    from studies.design import Plan
-    from studies.pages.study_drawings import Trials
-    from studies.summary import Summary
 
 MOST_TEXT = 8 << 20
 COMMANDS = ("simfield reproduce ", "simfield budget ", "simfield detection ")
@@ -44,9 +48,6 @@ def report(folder: Path) -> str:
 
 
 def _of_study(folder: Path) -> str:
-    from studies.pages import study_page
-    from studies.pages.study_drawings import Drawn
-
     plan = _plan(folder)
     summed = summary_file.read_summary(plan, folder)
     summed, trials = _with_trials(summed, plan, folder)
@@ -62,10 +63,6 @@ def _of_study(folder: Path) -> str:
 
 def _plan(folder: Path) -> Plan:
     """The plan of the study in a folder. Raises StoreError for whatever is wrong with its files."""
-    from simfield.scenario import ScenarioError
-    from studies.design import StudyError
-    from studies.store import study_of
-
     try:
         return study_of(folder)
     except (StoreError, StudyError, ScenarioError) as error:
@@ -81,8 +78,6 @@ def _with_trials(summed: Summary, plan: Plan, folder: Path) -> tuple[Summary, li
 
     Raises StoreError.
     """
-    from studies.summary import Summary, summarise
-
     if not (folder / "trials").is_dir():
         return summed, []
     store = Store(folder, plan.identity_hash)
@@ -93,24 +88,16 @@ def _with_trials(summed: Summary, plan: Plan, folder: Path) -> tuple[Summary, li
     except DamageError as error:
         raise StoreError(f"{folder / 'trials'}: damaged: {error}; `simfield run` computes it again") from None
     summary_file.refuse_other_numbers(summed, computed, folder / "summary.csv")
-    return Summary(summed.rows, summed.differences, computed.failures), list(_followed(plan, store))
+    return Summary(summed.rows, summed.differences, computed.failures, computed.notes), list(_followed(plan, store))
 
 
 def _followed(plan: Plan, store: Store) -> Iterator[Trials]:
     """Trials of the first condition under the chosen methods."""
-    import numpy as np
-    from scipy.special import stdtrit
-
-    from studies.comparison import CONFIDENCE
-    from studies.pages.study_drawings import FOLLOWED, Trials, chosen_methods
-    from studies.store import joined
-    from studies.summary import Cell, trials_of
-
     first = plan.conditions[0]
     columns, nominal = joined(store, plan, first, trials_of(plan, store, first))
     for method in chosen_methods(plan):
         cell = Cell.of(method, columns, nominal)
-        if FOLLOWED in cell.names and len(cell.error) > 1:
+        if FOLLOWED in cell.names and len(cell.error) > 1 and cell.claims:
             at = cell.names.index(FOLLOWED)
             t = float(stdtrit(cell.constants["redundancy"], 0.5 + CONFIDENCE / 2.0))
             if np.all(cell.std[:, at] > 0.0):
@@ -153,8 +140,6 @@ def _text(path: Path, most: int) -> str:
 
 
 def _provenance(origin: Mapping[str, Any], command: str, text: str) -> Iterator[str]:
-    from studies.pages.study_page import provenance_table
-
     packages, platform, parameters = (_table(origin, name) for name in ("packages", "platform", "parameters"))
     yield "## Provenance\n"
     yield from provenance_table(

@@ -116,7 +116,7 @@ def _counts(summed: Summary, plan: Plan) -> Iterator[str]:
         names = [*factor_names(plan.study), "method"]
         yield from study_report.table(list(failed.values()), names)
         yield ""
-    yield from (f"- {escaped(line)}" for line in summed.failures)
+    yield from (f"- {escaped(line)}" for line in (*summed.failures, *summed.notes))
     yield ""
 
 

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from studies.design import Plan, factor_names
+from studies.figures import MANY_LABELS, MOST_SERIES, house_style, measure_over_factor, new_figure, save, series_of
 from studies.summary import Row, Summary, ranking
 from studies.texts import escaped
 
@@ -35,6 +36,7 @@ def page(summed: Summary, plan: Plan, figures: Sequence[Path] = ()) -> str:
     for _, heading, table_lines in by_measure(summed, plan):
         lines += [f"## {heading}", "", *table_lines, ""]
     lines += differences(summed, plan)
+    lines += [line for note in summed.notes for line in (f"{escaped(note[:1].upper() + note[1:])}.", "")]
     if summed.failures:
         lines += ["## Failures", "", *(f"- {escaped(line)}" for line in summed.failures), ""]
     return "\n".join(lines)
@@ -135,8 +137,6 @@ def _draw(summed: Summary, plan: Plan, folder: Path) -> list[Path]:
     ]
     if not measures or not x:
         return []
-    from studies.figures import MANY_LABELS, MOST_SERIES, house_style, measure_over_factor, new_figure, save, series_of
-
     with house_style():
         rows, columns = -(-len(measures) // 2), min(2, len(measures))
         many = len({str(row.get(x)) for row in summed.rows}) > MANY_LABELS

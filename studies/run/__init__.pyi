@@ -1,5 +1,5 @@
 from . import story as story
-from .backends import BackendError as BackendError
 from .one_trial import condition_named as condition_named, replay as replay
 from .story import How as How, run as run
 from .verification import verify as verify
+from .worker import BackendError as BackendError

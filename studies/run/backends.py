@@ -15,17 +15,13 @@ from typing import Any
 
 from studies.design import BlockTask
 from studies.run.work import Done
-from studies.run.worker import prepare
+from studies.run.worker import BackendError, prepare
 
 Work = Callable[[BlockTask], Done]
 """computes a block and writes its shard"""
 
 LOST_SCHEDULER_S = 20.0
 LOOK_EVERY_S = 0.1
-
-
-class BackendError(RuntimeError):
-    """The machinery that computes has failed; one line says how. The store is whole."""
 
 
 @dataclass(frozen=True)

@@ -15,8 +15,9 @@ from multiprocessing.connection import Connection
 
 from simfield.numerics import TOGETHER
 from studies.design import BlockTask
-from studies.run.backends import BackendError, Broken, Work, task_limit_s
+from studies.run.backends import Broken, Work, task_limit_s
 from studies.run.work import Done
+from studies.run.worker import BackendError, prepare
 
 Try = Callable[[BlockTask], object]
 """computes a block and writes nothing"""
@@ -113,8 +114,6 @@ def _process(serve: Callable[..., None], *arguments: object) -> Iterator[Connect
 
 
 def _serve(answers: Connection, work: Callable[[BlockTask], object], task: BlockTask) -> None:
-    from studies.run.worker import prepare
-
     prepare()
     try:
         work(task)
@@ -125,8 +124,6 @@ def _serve(answers: Connection, work: Callable[[BlockTask], object], task: Block
 
 
 def _serve_all(answers: Connection, work: Work, tasks: Sequence[BlockTask]) -> None:
-    from studies.run.worker import prepare
-
     prepare()
     for task in tasks:
         try:

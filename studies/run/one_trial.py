@@ -9,8 +9,8 @@ import numpy as np
 from simfield import build_world
 from simfield.numerics import TOGETHER
 from studies.design import Condition, Plan, StudyError
-from studies.store import BEFORE
-from studies.trials import CONVERGED, DEVIATIONS, SENTENCES, compute
+from studies.store import BEFORE, CONVERGED, DEVIATIONS, SENTENCES
+from studies.trials import compute
 
 BEGINNING = 4
 
@@ -44,5 +44,7 @@ def replay(plan: Plan, condition: Condition, trial: int) -> Iterator[str]:
         status = int(own.pop("status"))
         yield f"  {SENTENCES.get(status, 'the adjustment failed')}" + "".join(f": {r}" for r in reasons.values())
         if status == CONVERGED:
-            yield "  " + ", ".join(f"{name} {own[name]:.4g}" for name in DEVIATIONS if np.isfinite(own[name]))
+            yield "  " + ", ".join(
+                f"{name} {own[name]:.4g}" for name in DEVIATIONS if np.isfinite(own.get(name, np.nan))
+            )
             yield "  " + ", ".join(f"{name} {value:.8g}" for name, value in own.items() if name not in DEVIATIONS)

@@ -10,13 +10,14 @@ from pathlib import Path
 
 from simfield.files import whole_folder, write_whole
 from studies.design import BlockTask, Plan, Study, StudyError
+from studies.pages import study_report
 from studies.run import backends, isolation
 from studies.run.backends import Broken
 from studies.run.work import Done, run_task
-from studies.run.worker import become_main
+from studies.run.worker import BackendError, become_main
 from studies.session import machine
-from studies.store import Shard, Store, locked, look_at, refuse_other
-from studies.summary import stopping
+from studies.store import Shard, Store, described, locked, look_at, refuse_other
+from studies.summary import stopping, summary
 from studies.trials import Draw, compute, image_points
 
 TRIAL_LIMIT_S = 60.0
@@ -75,7 +76,7 @@ def run(
         compute_missing(plan, store, how, say, count)
         if how.part:
             return Outcome((), tuple(lost_trials(plan, store)))
-        return summarised(plan, store)
+        return summarised(plan, store, say)
 
 
 def refuse_wrong_settings(plan: Plan) -> None:
@@ -94,7 +95,7 @@ def opened(folder: Path, plan: Plan) -> Store:
     if manifest is not None:
         refuse_other(plan, manifest)
     write_whole(folder / "study.toml", plan.study.text.encode())
-    store.write_manifest(plan.manifest(machine()))
+    store.write_manifest(plan.manifest({"columns": described(plan), **machine()}))
     return store
 
 
@@ -125,7 +126,7 @@ def _refuse_absent(store: Store, tasks: Sequence[BlockTask]) -> None:
     """Raise BackendError if blocks were computed and are not in the store: the plan and the folder decide."""
     absent = [task for task in tasks if not store.shard_path(*task.name).exists()]
     if absent:
-        raise backends.BackendError(
+        raise BackendError(
             f"{len(absent)} of {len(tasks)} blocks were computed and are not in {store.folder}; do all workers see it?"
         )
 
@@ -187,12 +188,11 @@ def _answers(
     return backends.joblib_processes(tasks, work, how.jobs, how.trial_limit_s, done)
 
 
-def summarised(plan: Plan, store: Store) -> Outcome:
+def summarised(plan: Plan, store: Store, say: Say) -> Outcome:
     """Write summary, differences, figures and report, all from the shards alone."""
-    from studies.pages import study_report
-    from studies.summary import summary
-
     summed = summary.summarise(plan, store)
+    for note in summed.notes:
+        say(note)
     with whole_folder(store.folder, DERIVED) as new:
         files = [*summary.write(summed, plan, new), *study_report.write(summed, plan, new)]
     return Outcome(tuple(store.folder / path.name for path in files), (*summed.failures, *lost_trials(plan, store)))

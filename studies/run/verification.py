@@ -16,8 +16,6 @@ from studies.trials import Draw, compute, image_points
 
 ELSEWHERE = 1e-9
 """relative difference that another type of processor may make"""
-
-
 RECOMPUTED = 4
 """conditions of which some trials are computed again"""
 
@@ -62,12 +60,16 @@ def _compute_some_again(store: Store, plan: Plan, say: Callable[[str], object], 
         fresh, _, _ = compute(task, draw)
         kept = store.read_shard(condition.id, 0, plan.study.trials.block)
         yield from (f"condition {condition.id}: {line}" for line in _compared(fresh, kept, same))
+        if other := sorted(set(fresh) ^ set(kept)):
+            say(f"condition {condition.id}: only stored or only computed, so not compared: {', '.join(other)}")
         say(f"condition {condition.id}: {len(task)} trials computed again by {len(plan.methods)} methods")
 
 
 def _compared(fresh: Columns, kept: Columns, same: bool) -> Iterator[str]:
     for name, values in fresh.items():
-        stored = kept.get(name, np.full(len(values), np.nan))[: len(values)]
+        if name not in kept:
+            continue  # a column that the version which wrote the block did not know
+        stored = kept[name][: len(values)]
         if same:
             equal = values.tobytes() == stored.astype(values.dtype).tobytes()
         else:

@@ -1,4 +1,4 @@
-"""One block of trials computed and written: what a process is given to do."""
+"""The smallest unit of work: one block of trials, computed and written as a shard."""
 
 from __future__ import annotations
 

@@ -17,6 +17,10 @@ KEPT_BYTES = 32 << 20
 MAIN = int(os.environ.get("SIMFIELD_MAIN", "0"))
 
 
+class BackendError(RuntimeError):
+    """The machinery that computes has failed; one line says how. The store is whole."""
+
+
 def become_main() -> None:
     """Tell the processes that this one starts whose they are."""
     global MAIN

@@ -1,3 +1,13 @@
+from .column_sets import (
+    ANGLES as ANGLES,
+    CONSTANTS as CONSTANTS,
+    DEVIATIONS as DEVIATIONS,
+    METRES as METRES,
+    POINT_LABELS as POINT_LABELS,
+    TRIAL as TRIAL,
+    described as described,
+    unit_of_unknown as unit_of_unknown,
+)
 from .look import Shard as Shard, joined as joined, look_at as look_at
 from .shards import (
     BEFORE as BEFORE,
@@ -7,6 +17,15 @@ from .shards import (
     ForeignError as ForeignError,
     decode as decode,
     encode as encode,
+)
+from .status_codes import (
+    CODES as CODES,
+    CONVERGED as CONVERGED,
+    CRASHED as CRASHED,
+    LOST as LOST,
+    NO_NOMINAL as NO_NOMINAL,
+    OTHER as OTHER,
+    SENTENCES as SENTENCES,
 )
 from .store import (
     NOMINAL as NOMINAL,

@@ -1,14 +1,20 @@
-"""What is found in the place of a block of trials, and the trials of a condition put together."""
+"""What the shards of a store hold: what is found in the place of a block, and the columns of blocks put together."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
 from studies.design import Condition, Plan
 from studies.store.shards import BEFORE, Columns, DamageError, ForeignError
+from studies.store.status_codes import ABSENT, CONVERGED
 from studies.store.store import NOMINAL, Store, StoreError
+
+MOST_NOMINAL = 1 << 16
+"""rows of the nominal columns"""
 
 
 @dataclass(frozen=True)
@@ -26,7 +32,7 @@ def look_at(store: Store, plan: Plan, condition: Condition, block: int) -> Shard
     try:
         columns = store.read_shard(condition.id, block, plan.study.trials.block)
         if block == 0:
-            store.read_shard(condition.id, NOMINAL, 1 << 16)
+            store.read_shard(condition.id, NOMINAL, MOST_NOMINAL)
     except FileNotFoundError:
         return Shard(condition, block, "missing")
     except ForeignError as error:
@@ -42,19 +48,32 @@ def look_at(store: Store, plan: Plan, condition: Condition, block: int) -> Shard
 
 
 def joined(store: Store, plan: Plan, condition: Condition, trials: int) -> tuple[Columns, Columns]:
-    """The columns of the first trials of a condition, and its nominal ones. Raises DamageError, FileNotFoundError."""
+    """The columns of the first trials of a condition, and its nominal ones. Raises DamageError, FileNotFoundError.
+
+    A column that a block has not, though the method converged in it, is left out: another version of simfield wrote the
+    block, and what the other blocks say is not what all trials say.
+    """
     size = plan.study.trials.block
     blocks = -(-trials // size)
     parts = [store.read_shard(condition.id, block, size) for block in range(blocks)]
     if not parts:
         return {}, {}
-    names = dict.fromkeys(name for part in parts for name in part)
     columns = {}
-    for name in names:
-        pieces = [part[name] if name in part else np.full(_rows(part), np.nan) for part in parts]
-        columns[name] = np.concatenate(pieces)[:trials]
-    return columns, store.read_shard(condition.id, NOMINAL, 1 << 16)
+    for method in plan.methods:
+        head = method.key + BEFORE
+        for name in dict.fromkeys(name for part in parts for name in part if name.startswith(head)):
+            if not any(_lacks(part, name, head + "status") for part in parts):
+                columns[name] = np.concatenate([_column(part, name, head + "status") for part in parts])[:trials]
+    return columns, store.read_shard(condition.id, NOMINAL, MOST_NOMINAL)
 
 
-def _rows(part: Columns) -> int:
-    return len(next(iter(part.values())))
+def _lacks(part: Columns, name: str, status: str) -> bool:
+    return name not in part and status in part and bool(np.any(part[status] == CONVERGED))
+
+
+def _column(part: Columns, name: str, status: str) -> npt.NDArray[Any]:
+    """A column of a block, or what stands for it where the method has no results."""
+    if name in part:
+        return part[name]
+    rows = len(next(iter(part.values())))
+    return np.full(rows, ABSENT, dtype=np.int8) if name == status else np.full(rows, np.nan)

@@ -25,7 +25,6 @@ MOST_COLUMNS = 100_000
 DTYPES = {np.dtype(name): name for name in ("int8", "float64")}
 
 Columns = dict[str, npt.NDArray[Any]]
-"""the columns of trials by their names"""
 BEFORE = "|"
 """stands between method and quantity in a column's name"""
 
@@ -38,7 +37,7 @@ class ForeignError(DamageError):
     """The file is a whole shard, of another study."""
 
 
-def encode(columns: Columns, label: Mapping[str, Any]) -> bytearray:
+def encode(columns: Mapping[str, npt.NDArray[Any]], label: Mapping[str, Any]) -> bytearray:
     """The bytes of a shard: columns of int8 or float64, all of one length, and a label of plain values."""
     import pyarrow as pa
     import pyarrow.parquet as pq
@@ -82,7 +81,7 @@ def _refuse_changed(raw: bytes) -> None:
         raise DamageError("the file does not have the SHA-256 that it claims")
 
 
-def decode(raw: bytes, expected: Mapping[str, Any], most_rows: int) -> dict[str, npt.NDArray[Any]]:
+def decode(raw: bytes, expected: Mapping[str, Any], most_rows: int) -> Columns:
     """The columns of a shard whose label has the expected entries. Raises DamageError for anything else."""
     import pyarrow as pa
     import pyarrow.parquet as pq

@@ -23,11 +23,9 @@ import numpy.typing as npt
 
 from simfield.files import make_folder, remove_unfinished, write_whole
 from studies.design import SCHEMA
-from studies.store.shards import MOST_BYTES, DamageError, decode, encode
+from studies.store.shards import MOST_BYTES, Columns, DamageError, decode, encode
 
 NOMINAL = "nominal"
-
-
 MOST_MANIFEST_BYTES = 64 << 20
 
 
@@ -56,7 +54,7 @@ class Store:
         rows = len(next(iter(columns.values()))) if columns else 0
         write_whole(path, encode(columns, {**self._label(condition_id, block), "rows": rows}))
 
-    def read_shard(self, condition_id: str, block: int | str, most_rows: int) -> dict[str, npt.NDArray[Any]]:
+    def read_shard(self, condition_id: str, block: int | str, most_rows: int) -> Columns:
         """The columns of a shard. Raises FileNotFoundError if there is none, DamageError if it is not whole."""
         path = self.shard_path(condition_id, block)
         if path.is_symlink() or path.stat().st_size > MOST_BYTES:

@@ -1,4 +1,4 @@
-"""The study that a store belongs to, and how another one differs from it."""
+"""The study that a store holds, and whether it is the one that is asked for."""
 
 from __future__ import annotations
 
@@ -7,18 +7,35 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-from studies.design import (
-    Plan,
-    read_study,
-)
+from studies.design import Plan, read_study
+from studies.store.column_sets import column_faults
 from studies.store.store import StoreError, read_json
 
 MOST_DIFFERENCES = 10
 
 
+def study_of(folder: Path) -> Plan:
+    """The plan of the study that a store holds, with the trials and the seed that it was run with.
+
+    Raises StoreError if the folder is no store or its manifest belongs to another study; StudyError, OSError.
+    """
+    if not (folder / "manifest.json").is_file() or not (folder / "study.toml").is_file():
+        raise StoreError(f"{folder}: no study was run into this folder (manifest.json and study.toml are missing)")
+    manifest = read_json(folder / "manifest.json")
+    identity = manifest.get("identity")
+    numbers = (manifest.get("trials"), identity.get("seed")) if isinstance(identity, dict) else ()
+    if not numbers or not all(isinstance(n, int) for n in numbers):
+        raise StoreError(f"{folder / 'manifest.json'}: damaged: it names no study")
+    study = read_study(folder / "study.toml").with_changes(trials=manifest["trials"], seed=manifest["identity"]["seed"])
+    plan = Plan.of(study)
+    refuse_other(plan, manifest)
+    return plan
+
+
 def refuse_other(plan: Plan, manifest: Mapping[str, Any]) -> None:
-    """Raise StoreError, a line for each difference, if the manifest is that of another study."""
+    """Raise StoreError, a line for each difference, if the manifest is that of another study or of other columns."""
     lines = list(_differences("", manifest.get("identity", {}), plan.identity))
+    lines += column_faults(manifest.get("columns"))
     if not lines:
         ids = {c.id for c in plan.conditions}
         gone = [labels for key, labels in manifest.get("conditions", {}).items() if key not in ids]
@@ -51,21 +68,3 @@ def _differences(place: str, old: Any, new: Any) -> Iterator[str]:
             yield from _differences(f"{place}[{number}]", *pair)
     elif old != new:
         yield f"{place}: the store has {json.dumps(old)[:80]}, the study {json.dumps(new)[:80]}"
-
-
-def study_of(folder: Path) -> Plan:
-    """The plan of the study that a store holds, with the trials and the seed that it was run with.
-
-    Raises StoreError if the folder is no store or its manifest belongs to another study; StudyError, OSError.
-    """
-    if not (folder / "manifest.json").is_file() or not (folder / "study.toml").is_file():
-        raise StoreError(f"{folder}: no study was run into this folder (manifest.json and study.toml are missing)")
-    manifest = read_json(folder / "manifest.json")
-    identity = manifest.get("identity")
-    numbers = (manifest.get("trials"), identity.get("seed")) if isinstance(identity, dict) else ()
-    if not numbers or not all(isinstance(n, int) for n in numbers):
-        raise StoreError(f"{folder / 'manifest.json'}: damaged: it names no study")
-    study = read_study(folder / "study.toml").with_changes(trials=manifest["trials"], seed=manifest["identity"]["seed"])
-    plan = Plan.of(study)
-    refuse_other(plan, manifest)
-    return plan

@@ -12,17 +12,23 @@ from scipy.special import stdtrit
 
 from simfield.block import Floats
 from studies.comparison import CONFIDENCE
-from studies.store import BEFORE, Columns
+from studies.store import (
+    ANGLES,
+    BEFORE,
+    CONSTANTS,
+    CONVERGED,
+    CRASHED,
+    DEVIATIONS,
+    METRES,
+    TRIAL,
+    Columns,
+    unit_of_unknown,
+)
 from studies.summary import performance
 from studies.summary.performance import Measured
-from studies.trials import CONSTANTS, CONVERGED, CRASHED, DEVIATIONS
 
-UNITS = {"m0_um": "um", "coverage_xy": "1", "coverage_z": "1"}
-ANGLES = ("omega", "phi", "kappa")
-METRES = ("X0", "Y0", "Z0", "X", "Y", "Z")
+UNITS = {column.name: column.unit for column in TRIAL}
 RELATIVE = ("model_se_error", "coverage")
-OWN_UNIT = "mm-powers"
-"""additional parameters: the unit that the term's power of mm asks for"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,7 +37,7 @@ class Cell:
 
     names are the tracked unknowns; error (m, q) are estimate - estimand and std (m, q) the claimed standard errors of
     the m trials that converged, estimand (q), kept (n) says which trials these are; formal (q, q) are the formal
-    correlations.
+    correlations; left_out names columns that not all shards have, or that this version does not know.
     """
 
     status: npt.NDArray[np.int8]
@@ -43,27 +49,40 @@ class Cell:
     formal: Floats
     estimand: Floats
     constants: Mapping[str, float]
+    left_out: tuple[str, ...] = ()
 
     @classmethod
     def of(cls, key: str, trials: Columns, nominal: Columns) -> Cell:
         """A cell from the columns of its shards, joined, and of its nominal shard."""
-        own = {name.removeprefix(key + BEFORE): v for name, v in trials.items() if name.startswith(key + BEFORE)}
-        fixed = {name.removeprefix(key + BEFORE): v for name, v in nominal.items() if name.startswith(key + BEFORE)}
+        own, fixed = _of_method(key, trials), _of_method(key, nominal)
         status = own.pop("status", np.zeros(0, dtype=np.int8))
         kept = status == CONVERGED
-        constants = dict(zip(CONSTANTS, fixed.pop("constants", np.full(len(CONSTANTS), np.nan)).tolist(), strict=False))
-        if "m0_um" not in own:  # no trial of this cell could be adjusted
-            none: Floats = np.empty((0, 0))
-            return cls(status, kept, {d: np.empty(0) for d in DEVIATIONS}, (), none, none, none, np.empty(0), constants)
-        names = tuple(name for name in own if name not in DEVIATIONS)
-        table = np.array([fixed[name] for name in names]).reshape(len(names), -1)
-        estimand, s, formal = table[:, 0], table[:, 1], table[:, 2 : 2 + len(names)]
-        estimates = np.array([own[name] for name in names]).reshape(len(names), -1).compress(kept, axis=1).T
-        sigma0 = own["m0_um"][kept] / constants["unit_weight_um"]
-        deviations = {name: own[name][kept] for name in DEVIATIONS}
-        return cls(
-            status, kept, deviations, names, estimates - estimand, sigma0[:, None] * s, formal, estimand, constants
-        )
+        constants = dict(zip(CONSTANTS, fixed.pop("constants", np.empty(0)).tolist(), strict=False))
+        names = tuple(name for name in own if name in fixed)
+        some = bool(kept.any())
+        deviations = {d: own[d][kept] if d in own else np.empty(0) for d in DEVIATIONS if d in own or not some}
+        if not names:  # such as where no trial could be adjusted
+            error = std = np.empty((int(kept.sum()), 0))
+            formal, estimand = np.empty((0, 0)), np.empty(0)
+        else:
+            table = np.array([fixed[name] for name in names])
+            row = {name: number for number, name in enumerate(fixed)}
+            estimand, formal = table[:, 0], table[:, [2 + row[name] for name in names]]
+            estimates = np.array([own[name] for name in names]).compress(kept, axis=1).T
+            error = estimates - estimand
+            m0 = deviations.get("m0_um", np.full(len(error), np.nan))
+            std = (m0 / constants.get("unit_weight_um", np.nan))[:, None] * table[:, 1]
+        lacking = [name for name in (*DEVIATIONS, *fixed) if name not in own]
+        lacking += [name for name in CONSTANTS if name not in constants]
+        unknown = [name for name in own if name not in DEVIATIONS and name not in fixed]
+        left_out = tuple(lacking + unknown) if some else ()
+        return cls(status, kept, deviations, names, error, std, formal, estimand, constants, left_out)
+
+    @property
+    def claims(self) -> bool:
+        """Whether the standard errors that the method claims are known."""
+        needed = [self.constants.get(name, np.nan) for name in ("redundancy", "unit_weight_um")]
+        return "m0_um" in self.deviations and bool(np.isfinite(needed).all())
 
     @property
     def failures(self) -> int:
@@ -81,6 +100,11 @@ class Cell:
         return np.asarray(np.abs(self.error) <= t * self.std, dtype=float)
 
 
+def _of_method(key: str, columns: Columns) -> Columns:
+    head = key + BEFORE
+    return {name.removeprefix(head): values for name, values in columns.items() if name.startswith(head)}
+
+
 def measured(cell: Cell) -> dict[str, Measured]:
     """All measures of a cell but the correlations, by name; those of tracked unknowns are "bias ww.a3" and so on."""
     found: dict[str, Measured] = {}
@@ -90,19 +114,22 @@ def measured(cell: Cell) -> dict[str, Measured]:
             found[name] = form(values[:, None])
     found |= {name: performance.mean(values[:, None]) for name, values in _choice(cell).items()}
     if cell.names and len(cell.error):
-        empirical, model = performance.empirical_se(cell.error), performance.model_se(cell.std)
-        tables = {
-            "bias": performance.bias(cell.error),
-            "emp_se": empirical,
-            "model_se": model,
-            "model_se_error": performance.model_se_error(model, empirical),
-            "rmse": performance.rmse(cell.error),
-            "coverage": performance.coverage(cell.inside),
-        }
+        tables = _of_unknowns(cell)
         for number, name in enumerate(cell.names):
             for measure, table in tables.items():
                 found[f"{measure} {name}"] = _column(table, number)
     return found
+
+
+def _of_unknowns(cell: Cell) -> dict[str, Measured]:
+    """The measures of tracked unknowns, a column an unknown; some need the standard errors that the method claims."""
+    empirical = performance.empirical_se(cell.error)
+    found = {"bias": performance.bias(cell.error), "emp_se": empirical}
+    if cell.claims:
+        model = performance.model_se(cell.std)
+        found |= {"model_se": model, "model_se_error": performance.model_se_error(model, empirical)}
+    found["rmse"] = performance.rmse(cell.error)
+    return found | ({"coverage": performance.coverage(cell.inside)} if cell.claims else {})
 
 
 def _choice(cell: Cell) -> dict[str, Floats]:
@@ -111,7 +138,7 @@ def _choice(cell: Cell) -> dict[str, Floats]:
     aic and bic as in adjust.quality.model_choice; significant, the number of parameters whose 95 % interval does not contain 0,
     of parameters; the other two belong to the noise-free adjustment.
     """
-    if not len(cell.error) or "observations" not in cell.constants:
+    if not len(cell.error) or not cell.claims or "observations" not in cell.constants:
         return {}
     n, redundancy = cell.constants["observations"], cell.constants["redundancy"]
     unknowns = n - redundancy
@@ -123,8 +150,8 @@ def _choice(cell: Cell) -> dict[str, Floats]:
         estimate = cell.error[:, own] + cell.estimand[own]
         found["parameters"] = np.full(len(fit), float(len(own)))
         found["significant"] = np.sum(np.abs(estimate) > t * cell.std[:, own], axis=1).astype(float)
-        found["largest_ap_exterior"] = np.full(len(fit), cell.constants["largest_ap_exterior"])
-    return {**found, "condition_number": np.full(len(fit), cell.constants["condition_number"])}
+    nominal = (*(("largest_ap_exterior",) if own else ()), "condition_number")
+    return found | {name: np.full(len(fit), cell.constants[name]) for name in nominal if name in cell.constants}
 
 
 def correlated(cell: Cell, least: float) -> dict[str, tuple[float, Measured]]:
@@ -165,8 +192,5 @@ def unit(measure: str) -> str:
     """The unit of a measure by its name."""
     form, _, name = measure.partition(" ")
     if not name:
-        return UNITS.get(form, "mm" if form.endswith("_mm") else "1")
-    if form in RELATIVE or "correlation" in form:
-        return "1"
-    last = name.partition(".")[2]
-    return "rad" if last in ANGLES else "m" if last in METRES else OWN_UNIT
+        return UNITS.get(form, "1")
+    return "1" if form in RELATIVE or "correlation" in form else unit_of_unknown(name)

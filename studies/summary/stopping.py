@@ -13,6 +13,7 @@ from collections.abc import Iterator
 
 from studies.design import Condition, Plan
 from studies.store import Columns, Store, joined
+from studies.summary.cells import Cell, measured
 
 
 def rounds(plan: Plan, store: Store, jobs: int, *, whole_study: bool = True) -> Iterator[list[tuple[Condition, int]]]:
@@ -64,15 +65,16 @@ def trials_of(plan: Plan, store: Store, condition: Condition) -> int:
 
 
 def _reached(plan: Plan, columns: Columns, nominal: Columns) -> bool:
-    from studies.summary.cells import Cell, measured
-
     for method in plan.methods:
         cell = Cell.of(method.key, columns, nominal)
         if len(cell.error) < plan.study.trials.min:
             return False
         found = measured(cell)
         for pattern, target in plan.study.trials.target_mcse.items():
-            for name in fnmatch.filter(found, pattern):
+            named = fnmatch.filter(found, pattern)
+            if cell.left_out and not named:
+                return False  # what is not known is not reached
+            for name in named:
                 if not float(found[name].mcse[0]) <= target:
                     return False
     return True

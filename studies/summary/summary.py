@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
+from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -13,24 +14,28 @@ import numpy as np
 import numpy.typing as npt
 
 from studies.design import Condition, Plan, references
-from studies.store import Store, joined
+from studies.store import SENTENCES, Store, joined
 from studies.summary import performance, stopping
 from studies.summary.cells import Cell, correlated, measured, unit
 from studies.summary.performance import Measured
 from studies.texts import as_text
-from studies.trials import SENTENCES
 
 Row = dict[str, Any]
+MOST_NAMED = 6
+"""columns in a line"""
 DIGITS = {"estimate": ".10g", "mcse": ".4g"}
 
 
 @dataclass(frozen=True)
 class Summary:
-    """rows and differences in the order of plan, method, measure; failures: a line for each cell without a result."""
+    """rows and differences in the order of plan, method, measure; failures: a line for each cell without a result;
+    notes: what a reader has to know besides.
+    """
 
     rows: list[Row]
     differences: list[Row]
     failures: tuple[str, ...]
+    notes: tuple[str, ...] = ()
 
 
 def summarise(plan: Plan, store: Store) -> Summary:
@@ -38,6 +43,7 @@ def summarise(plan: Plan, store: Store) -> Summary:
     rows: list[Row] = []
     differences: list[Row] = []
     failures: list[str] = []
+    left_out: Counter[str] = Counter()
     for condition in plan.conditions:
         columns, nominal = joined(store, plan, condition, stopping.trials_of(plan, store, condition))
         cells = {m.key: Cell.of(m.key, columns, nominal) for m in plan.methods}
@@ -46,10 +52,23 @@ def summarise(plan: Plan, store: Store) -> Summary:
             cell = cells[method.key]
             head = {**_head(plan, condition), **_shown_keys(plan, method.columns), "method": method.key}
             rows += [{**head, **row} for row in _rows(cell, found[method.key], plan.study.report.least_correlation)]
+            left_out.update(cell.left_out)
             if cell.lost:
                 failures.append(f"{condition}, {method.key}: {_what_failed(cell)}")
         differences += _differences(plan, condition, cells, found)
-    return Summary(rows, differences, tuple(failures))
+    return Summary(rows, differences, tuple(failures), _notes(left_out, len(plan.conditions) * len(plan.methods)))
+
+
+def _notes(left_out: Counter[str], cells: int) -> tuple[str, ...]:
+    """What is left out because not all blocks of a cell were written with the columns of this version, in a line."""
+    if not left_out:
+        return ()
+    named = [f"{name} (in {count} of {cells} cells)" for name, count in left_out.most_common(MOST_NAMED)]
+    more = f" and {len(left_out) - MOST_NAMED} more columns" if len(left_out) > MOST_NAMED else ""
+    return (
+        f"left out: {', '.join(named)}{more}; a version of simfield with other columns wrote blocks in trials/, which "
+        "are kept; without that folder everything is computed anew",
+    )
 
 
 def _head(plan: Plan, condition: Condition) -> Row:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 FORMULA = ("=", "+", "-", "@", "\t", "\r")
+"""what a spreadsheet takes for the beginning of a formula"""
 
 
 def as_text(cell: str) -> str:

@@ -1,39 +1,31 @@
-"""The smallest unit of work: one block of trials of one condition, adjusted by every method, written as a shard."""
+"""What a block of trials comes to: those of one condition, drawn, adjusted by every method, turned into columns."""
 
 from __future__ import annotations
 
 import threading
 from collections.abc import Callable, Mapping, Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+from adjust.trials import replicates
 from simfield import World
 from simfield.block import Floats
-from simfield.numerics import WIDTH
+from simfield.numerics import WIDTH, Arena, one_thread
 from simfield.world import CountError
-from studies.trials.drawn_trials import DrawnTrials, image_points, put, repeated
-
-if TYPE_CHECKING:
-    from simfield.numerics import Arena
-    from studies.trials.geometry import Prepared
 from studies.design import BlockTask
-from studies.store import BEFORE, Columns
+from studies.store import BEFORE, LOST, NO_NOMINAL, Columns
+from studies.trials.drawn_trials import DrawnTrials, image_points, put, repeated
+from studies.trials.geometry import Prepared, geometry_of
+from studies.trials.trial_columns import nominal_columns, trial_columns
 
 Draw = Callable[[World, Sequence[int]], Floats]
 """draws trials as `drawn_trials.image_points` does"""
-
-
 _alone = threading.Lock()
 """a worker of a cluster may have several threads; the number of BLAS threads is the whole process's"""
 
 
 def compute(task: BlockTask, draw: Draw = image_points) -> tuple[Columns, Columns, dict[str, str]]:
     """The columns of a block, with block 0 the nominal columns of its condition, and why methods have none."""
-    from simfield.numerics import one_thread
-    from studies.trials.geometry import geometry_of
-    from studies.trials.trial_columns import nominal_columns
-
     with _alone, one_thread():  # two threads would change the last bits
         try:
             geometry = geometry_of(task.condition)
@@ -106,27 +98,20 @@ def _given(world: World, trials: Sequence[int], task: BlockTask) -> Floats | Non
 
 def _adjusted(prepared: Prepared, tiles: Floats, given: Floats | None, count: int, arena: Arena) -> Columns:
     """The columns of a method's trials."""
-    from adjust.trials import adjust_prepared
-    from studies.trials.trial_columns import trial_columns
-
     part = prepared.part
     own = None if given is None else given.take(part.points, axis=1, mode="clip")
     drawn = DrawnTrials(tiles, count, part.rays)
-    replicates = adjust_prepared(prepared.chord, drawn, coordinates=own, arena=arena)
+    adjusted = replicates.adjust_prepared(prepared.chord, drawn, coordinates=own, arena=arena)
     of_all = part.block.points.coordinates[None].copy() if own is None else own  # the compiled loop takes no frozen one
-    return dict(trial_columns(replicates, part, prepared.tracked, of_all))
+    return dict(trial_columns(adjusted, part, prepared.tracked, of_all))
 
 
 def _nothing(task: BlockTask) -> Columns:
-    from studies.trials.trial_columns import NO_NOMINAL
-
     return {"status": np.full(len(task), NO_NOMINAL, dtype=np.int8)}
 
 
 def _blot_out(columns: Columns, task: BlockTask, lost: Mapping[int, str]) -> None:
     """What was computed in the place of lost trials is no result."""
-    from studies.trials.trial_columns import LOST
-
     for trial, fate in lost.items():
         if task.first <= trial < task.stop:
             for values in columns.values():

@@ -13,12 +13,23 @@ from typing import Any
 
 import numpy as np
 
-from adjust.reductions import Plan, marks_of, through_lens_and_air
+from adjust.reductions import (
+    MEAN_RADIUS_M,
+    Frame,
+    Plan,
+    Work,
+    bending,
+    drift_weights,
+    marks_of,
+    optics,
+    through_lens_and_air,
+)
 from simfield.block import Floats, Indices, Raw
-from simfield.chain import Prepared, share_of_words
+from simfield.chain import Prepared, Room, share_of_words, tables
 from simfield.disturbances import second_order
 from simfield.numerics import TOGETHER, WIDTH, Arena
 from simfield.random import counter_key
+from studies.trials.measured_trials_compiled import Confusion, Tail, measure_and_reduce
 
 SCRATCH = 1 << 18
 """bytes: about what an image needs to be worked on"""
@@ -81,10 +92,6 @@ class MeasuredTrials:
         return self.prepared.count if self.rows is None else len(self.rows)
 
     def _fill(self, lanes: Floats, number: int) -> None:
-        from adjust.reductions import Work
-        from simfield.chain import Room
-        from studies.trials.measured_trials_compiled import measure_and_reduce
-
         parts, kept, places = self._tables
         wide = lanes if kept is None else np.empty((len(lanes), self.prepared.count, 2, WIDTH))
         arena, tiles, marks = Arena(SCRATCH), TOGETHER // WIDTH, parts[1]
@@ -117,8 +124,6 @@ class MeasuredTrials:
     @cached_property
     def _tables(self) -> tuple[tuple[Any, ...], Indices | None, Indices]:
         """What the compiled loop wants to know, which of its rows are picked afterwards, and where it puts them."""
-        from simfield.chain import tables
-
         image = self.prepared.world.image
         rows = np.arange(self.prepared.count) if self._whole or self.rows is None else self.rows
         places = np.argsort(image[rows], kind="stable")
@@ -127,8 +132,6 @@ class MeasuredTrials:
         return parts, self.rows if self._whole else None, places
 
     def _frame(self) -> Any:
-        from adjust.reductions import Frame, drift_weights
-
         raw, plan, images = self._raw, self.plan, len(self.prepared.world.plan)
         settings = len(raw.mark) // images
         if plan is None:
@@ -147,8 +150,6 @@ class MeasuredTrials:
         )
 
     def _tail(self) -> Any:
-        from studies.trials.measured_trials_compiled import Tail
-
         plan = self.plan
         # before lens and air are taken out, a point lies where it was exposed, but for errors and what is left of film
         place = self.prepared.exposed[self._sorted]
@@ -165,8 +166,6 @@ class MeasuredTrials:
         return Tail(place, removed(place), second_order(removed, place), smooth, True)
 
     def _optics(self) -> Any:
-        from adjust.reductions import MEAN_RADIUS_M, bending, optics
-
         raw, plan = self._raw, self.plan
         cameras, camera = raw.block.cameras, raw.block.images.camera
         camera_m, ground_m = raw.heights.T
@@ -181,8 +180,6 @@ class MeasuredTrials:
         )
 
     def _confusion(self, places: Indices) -> Any:
-        from studies.trials.measured_trials_compiled import Confusion
-
         p, world = self.prepared, self.prepared.world
         share = np.uint64(share_of_words(p.chain.errors.confused_rate))
         key = np.array(counter_key(world.seed, "confused"), dtype=np.uint64)

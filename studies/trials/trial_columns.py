@@ -13,45 +13,18 @@ import numpy as np
 import numpy.typing as npt
 from scipy.special import stdtrit
 
-from adjust import Adjustment, Status, correlations
+from adjust import Adjustment, correlations
 from adjust.model import EXTERIOR_NAMES, POINT_NAMES
 from adjust.trials import STATUSES, Replicates
 from simfield.block import Floats
 from studies.comparison import CONFIDENCE
+from studies.store import CODES, DEVIATIONS, OTHER, POINT_LABELS
 from studies.trials.parts import Part
 from studies.trials.trial_columns_compiled import point_deviations
 
 Codes = npt.NDArray[np.int8]
 
-CODES = {
-    Status.CONVERGED: 0,
-    Status.NO_START: 1,
-    Status.BEHIND_CAMERA: 2,
-    Status.SINGULAR: 3,
-    Status.NOT_CONVERGED: 4,
-    Status.TOO_LITTLE_REDUNDANCY: 5,
-    Status.NOT_FINITE: 6,
-}
-CONVERGED, UNDRAWN, OTHER, CRASHED, TIMEOUT, NO_NOMINAL = 0, 98, 99, 100, 101, 102
-SENTENCES = {code: status.value for status, code in CODES.items()} | {
-    UNDRAWN: "its image points could not be simulated",
-    OTHER: "the adjustment failed",
-    CRASHED: "its worker died",
-    TIMEOUT: "it did not end",
-    NO_NOMINAL: "the condition itself cannot be simulated or adjusted",
-}
 _CODE_OF = np.array([CODES.get(status, OTHER) for status in STATUSES], dtype=np.int8)
-LOST = {"crashed": CRASHED, "timeout": TIMEOUT, "undrawn": UNDRAWN}
-
-DEVIATIONS = ("m0_um", "mu_xy_mm", "mu_z_mm", "true_xy_mm", "true_z_mm", "mean_z_mm", "coverage_xy", "coverage_z")
-"""per trial: m0; 2-D and height rms at check points against their given coordinates; the same against the truth at all
-points but control; the mean height error; the shares of true coordinates inside their 95 % intervals"""
-CONSTANTS = (
-    *("redundancy", "unit_weight_um", "noise_free_m0_um"),
-    *("observations", "condition_number", "largest_ap_exterior"),
-)
-"""of the nominal adjustment; the condition number is that of the reduced normal equations, scaled; largest_ap_exterior
-the largest |correlation| of an additional parameter with an element of exterior orientation, NaN without parameters"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,7 +74,7 @@ def _two_points(part: Part, centre: Floats) -> dict[str, int]:
     if not free.size:
         return {}
     distance = np.hypot(*(part.true[free, :2] - centre).T)
-    return {"centre": int(free[np.argmin(distance)]), "edge": int(free[np.argmax(distance)])}
+    return dict(zip(POINT_LABELS, (int(free[np.argmin(distance)]), int(free[np.argmax(distance)])), strict=True))
 
 
 def nominal_columns(nominal: Adjustment, tracked: Tracked) -> dict[str, Floats]:

@@ -13,7 +13,7 @@ from pathlib import Path
 
 import pytest
 
-from studies.run.backends import BackendError
+from studies.run.worker import BackendError
 from tests.reliability import traps
 from tests.reliability.test_crashes import gone
 from tests.studies.small_study import TEXT, contents, run_here

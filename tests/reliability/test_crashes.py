@@ -27,7 +27,7 @@ TOP = Path(__file__).parents[2]
 RUN = (
     "import sys; from pathlib import Path\n"
     "from studies.run.story import How, run\n"
-    "from studies.design.study import read_study\n"
+    "from studies.design.study_file import read_study\n"
     "from tests.reliability import traps\n"
     "def main():\n"
     "    run(read_study(sys.argv[1]), Path(sys.argv[2]), How(jobs=int(sys.argv[3]), draw=traps.slow), print)\n"

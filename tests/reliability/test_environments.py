@@ -13,7 +13,7 @@ import pytest
 
 from studies.design.plan import Plan
 from studies.design.study import Study
-from studies.run.backends import BackendError
+from studies.run.worker import BackendError
 from studies.store.look import joined
 from studies.store.store import Store
 from studies.trials import geometry

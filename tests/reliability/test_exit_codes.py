@@ -9,8 +9,8 @@ import pytest
 from click.testing import CliRunner, Result
 
 from studies.commands.program import main
-from studies.run.backends import BackendError
 from studies.run.work import Done
+from studies.run.worker import BackendError
 from studies.session.progress import progress_bar
 from studies.store.store import locked
 from tests.studies.small_study import TEXT, run_here

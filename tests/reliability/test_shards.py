@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import hashlib
 import json
 import random
@@ -17,6 +18,10 @@ from studies.store.look import look_at
 from studies.store.shards import DamageError, decode, encode
 from studies.store.store import NOMINAL, LockedError, Store, StoreError, locked
 from tests.studies.small_study import contents, run_here, study
+
+TOP = Path(__file__).parents[2]
+LOADERS = {"pickle", "dill", "cloudpickle", "marshal", "shelve"}
+"""modules that run what a file says"""
 
 
 @pytest.fixture(scope="module")
@@ -117,8 +122,29 @@ def test_there_is_no_loader_for_a_pickle(copy: Path) -> None:
     path = next((copy / "trials").rglob("1.parquet"))
     path.write_bytes(pickle.dumps({"x": 1}))
     assert len(verify(copy, lambda line: None)) == 1
-    sources = (Path(__file__).parents[2] / "studies").glob("*.py")
-    assert [p.name for p in sources if "import pickle" in p.read_text(encoding="utf-8")] == []
+
+
+def test_no_module_of_ours_imports_pickle_at_any_depth() -> None:
+    sources = [path for package in ("simfield", "adjust", "studies") for path in (TOP / package).rglob("*.py")]
+    assert {"studies/store/store.py", "studies/lessons/apps/interval.py"} <= {
+        p.relative_to(TOP).as_posix() for p in sources
+    }
+    assert [p for p in sources if LOADERS & imported(p.read_text(encoding="utf-8"))] == []
+
+
+@pytest.mark.parametrize(
+    "text", ["import os, pickle as p", "if 1:\n    from pickle import loads", "import dill.source"]
+)
+def test_an_import_of_pickle_is_seen_in_any_form(text: str) -> None:
+    assert LOADERS & imported(text)
+
+
+def imported(text: str) -> set[str]:
+    """The packages that a source imports anywhere."""
+    nodes = list(ast.walk(ast.parse(text)))
+    whole = {alias.name for node in nodes if isinstance(node, ast.Import) for alias in node.names}
+    parts = {node.module or "" for node in nodes if isinstance(node, ast.ImportFrom) and not node.level}
+    return {name.partition(".")[0] for name in whole | parts}
 
 
 @pytest.mark.parametrize("harm", ["flip", "truncate", "empty", "swap", "nominal", "garbage"])

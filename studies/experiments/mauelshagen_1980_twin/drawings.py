@@ -8,12 +8,11 @@ import pandas as pd
 
 from studies import figures
 from studies.experiments.mauelshagen_1980 import SECTIONS
+from studies.experiments.mauelshagen_1980_twin.findings import Twin
 from studies.figures import new_figure
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-
-    from studies.experiments.mauelshagen_1980_twin.findings import Twin
 
 PLAN = {
     "2-D": ("mu_xy_mm", "mu_xy, 2-D, mm"),
