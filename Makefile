@@ -72,7 +72,7 @@ reproduce: $(INSTALLED) ## repeat the experiment of Mauelshagen 1980 into result
 	$(BIN)/simfield report results/mauelshagen-1980
 
 gallery: $(INSTALLED) ## draw every kind of figure into docs/gallery
-	$(BIN)/python -m studies.gallery.gallery docs
+	$(BIN)/python -m studies.gallery docs
 
 # Other solvers are needed for comparison only.
 $(PEERS): $(INSTALLED)

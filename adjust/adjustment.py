@@ -192,7 +192,7 @@ class Adjustment:
 
 
 def correlations(covariance: Floats) -> Floats:
-    """A covariance matrix scaled to unit diagonal; rows and columns without variance become NaN."""
+    """The correlations (n, n), free of unit, of a covariance matrix (n, n); NaN where there is no variance."""
     std = np.sqrt(np.diag(covariance))
     std = np.where(std > 0.0, std, np.nan)
     return np.asarray(covariance / std / std[:, None])

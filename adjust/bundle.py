@@ -7,7 +7,8 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from adjust.adjustment import Adjustment
-from adjust.ap_models import ApModel, NoModel
+from adjust.ap_models import ApModel
+from adjust.ap_models.catalogue import NoModel
 from adjust.datum import ByControl, Datum
 from adjust.model import ApBy, Unknowns, ap_sets
 from adjust.normals import Arithmetic, Compiled, Plain, by_either

@@ -21,7 +21,7 @@ from typing import Protocol
 import numpy as np
 
 from adjust.adjustment import Adjustment
-from adjust.ap_models import NoModel
+from adjust.ap_models.catalogue import NoModel
 from adjust.model import Similarity, Unknowns, point_motions, station_motions
 from adjust.normals import Cofactors, Compiled, Plain
 from adjust.observations import ImagePoints, Observations
@@ -47,9 +47,11 @@ class ByControl:
     """The control of the block as it stands."""
 
     def prepared(self, block: Block) -> Block:
+        """The block as it is."""
         return block
 
     def finished(self, a: Adjustment) -> Adjustment:
+        """The adjustment as it is."""
         return a
 
 
@@ -63,6 +65,7 @@ class MinimumControl:
     points: tuple[str, ...] = ()
 
     def prepared(self, block: Block) -> Block:
+        """The block on seven fixed coordinates. Raises ValueError where there are not three points, NoStartError."""
         known, rows = _approximate(block, self.points)
         sigma = np.full_like(block.points.sigma, np.nan)
         sigma.ravel()[_seven(known[rows], rows)] = 0.0
@@ -71,6 +74,7 @@ class MinimumControl:
         return _with_points(block, Points(block.points.ids, role, coordinates, sigma))
 
     def finished(self, a: Adjustment) -> Adjustment:
+        """The adjustment as it is."""
         return a
 
 
@@ -84,9 +88,11 @@ class InnerConstraints:
     points: tuple[str, ...] = ()
 
     def prepared(self, block: Block) -> Block:
+        """The block on minimum control, from which the free network is made. Raises as MinimumControl.prepared."""
         return MinimumControl(self.points).prepared(block)
 
     def finished(self, a: Adjustment) -> Adjustment:
+        """The adjustment moved onto its datum points, with their covariance; as it is where it failed."""
         if not a.status.ok:
             return a
         given = a.block.points.coordinates
@@ -125,21 +131,27 @@ def free_network(a: Adjustment, rows: Indices, targets: Floats) -> FreeAdjustmen
 
 @dataclass(frozen=True, eq=False)
 class FreeAdjustment(Adjustment):
-    """A free network. minimum: the same adjustment on minimum control; datum_rows: the datum points."""
+    """A free network: minimum, the same adjustment on minimum control, and datum_rows (d), the rows of the datum points.
+
+    Coordinates and standard deviations in m and radians, as in Adjustment.
+    """
 
     minimum: Adjustment
     datum_rows: Indices
 
     @property
     def redundancy(self) -> int:
+        """Observations and the seven constraints less unknowns."""
         return self.observations - self.unknowns + MOTIONS
 
     @property
     def regular(self) -> Adjustment:
+        """The adjustment on minimum control, whose normal equations are regular."""
         return self.minimum
 
     @cached_property
     def cofactors(self) -> Cofactors:
+        """Cofactors of all unknowns, for the datum of the datum points, in the units of x (m, rad)."""
         layout = self.layout
         pivot = layout.points(self.x)[self.datum_rows].mean(axis=0)
         motions = np.zeros((len(self.x), MOTIONS))

@@ -3,6 +3,8 @@
 With B = L L^T, Z = B^-1, a block column J of L and the rows R below it inside the band, X = L_RJ L_JJ^-1:
 Z_RJ = -Z_RR X and Z_JJ = (L_JJ L_JJ^T)^-1 + X^T Z_RR X, from the last columns to the first. Only a window of Z as wide
 as the band is ever held as a dense matrix.
+
+Readable form: `adjust.normals.cofactors.Cofactors`. Agreement: `tests/agreement/test_compiled_twins.py`.
 """
 
 from __future__ import annotations

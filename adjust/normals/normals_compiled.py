@@ -3,6 +3,8 @@
 Two ways to reduce them. A block whose images nearly all share points with one another gets a dense reduced matrix, and
 BLAS does the work. A large block gets a banded one: images are ordered so that those sharing points are neighbours
 (reverse Cuthill-McKee), and the additional parameters, which touch every image, stand in a border.
+
+Readable form: `adjust.normals.normals.Plain`. Agreement: `tests/adjust/test_schur.py`.
 """
 
 from __future__ import annotations

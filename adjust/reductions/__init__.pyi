@@ -27,7 +27,7 @@ from .reduce_compiled import (
 )
 from .reduced_points import Reduced as Reduced
 from .reduction import (
-    SWITCHES as SWITCHES,
+    REDUCTIONS as REDUCTIONS,
     Plan as Plan,
     ReducedBlock as ReducedBlock,
     marks_of as marks_of,

@@ -1,7 +1,9 @@
 """Inner orientation of an image in some tiles of trials, in lanes.
 
-Readable form: `adjust.reductions.inner`. The parameters of X stand in the rows 0 .. 3 of what is known of an image,
+The parameters of X stand in the rows 0 .. 3 of what is known of an image,
 those of Y in 4 .. 7; of the projective transformation, g in 3 and h in 7.
+
+Readable form: `adjust.reductions.inner`. Agreement: `tests/agreement/test_measured_trials.py`.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """Lens and air taken out of single image coordinates, in compiled code.
 
-Readable forms: `adjust.reductions.lens`, `.air`.
+Readable form: `adjust.reductions.reduction.through_lens_and_air`. Agreement: `tests/agreement/test_measured_trials.py`.
 """
 
 from __future__ import annotations

@@ -1,8 +1,10 @@
 """Reductions of some tiles of trials, in lanes: drift, comparator, inner orientation and reseau, image by image.
 
-Readable forms: `adjust.reductions.comparator`, `.inner`, `.reseau`. The marks of an image are taken first, and say what
+The marks of an image are taken first, and say what
 is done to its points (`oriented`); then points are reduced one by one (`reduced`). The arithmetic of a trial does not
 depend on its neighbours.
+
+Readable form: `adjust.reductions.reduction.reduce`. Agreement: `tests/agreement/test_measured_trials.py`.
 """
 
 from __future__ import annotations

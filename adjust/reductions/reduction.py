@@ -30,7 +30,7 @@ class Plan:
     curvature: bool = True
 
 
-SWITCHES = tuple(f.name for f in fields(Plan) if f.default is True)
+REDUCTIONS = tuple(f.name for f in fields(Plan) if f.default is True)
 """the reductions that can be left out"""
 
 

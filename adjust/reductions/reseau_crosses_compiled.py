@@ -1,6 +1,6 @@
 """Least squares of a few unknowns in lanes: a normal equation for every trial of a tile, and the reseau correction.
 
-Readable form of the latter: `adjust.reductions.reseau_crosses`.
+Readable form: `adjust.reductions.reseau_crosses`. Agreement: `tests/agreement/test_measured_trials.py`.
 """
 
 from __future__ import annotations

@@ -3,6 +3,8 @@
 Trials come in tiles of WIDTH, the innermost, contiguous axis of every array; what a tile needs stays in the
 second-level cache. The kernels are written in lanes (simfield.numerics.lanes): every name is the number of all trials of a tile.
 No sine, cosine or logarithm is taken in the inner loop; rotations come in as matrices.
+
+Readable form: `adjust.normals.normals.Plain`. Agreement: `tests/adjust/test_traced_terms.py`.
 """
 
 from __future__ import annotations

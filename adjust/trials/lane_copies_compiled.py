@@ -1,6 +1,8 @@
 """Trials into lanes and back, compiled: numpy would make a copy for every change of order.
 
 Trial t of a block is lane t % WIDTH of tile t // WIDTH.
+
+Readable form: `adjust.trials.lane_copies`. Agreement: `tests/agreement/test_compiled_twins.py`.
 """
 
 from __future__ import annotations

@@ -2,6 +2,8 @@
 
 The readable form is `simfield.chain.measure.Prepared.measure`, whose numbers these are, but for rounding; of two
 settings it gives the mean. The arithmetic of a trial does not depend on its neighbours.
+
+Readable form: `simfield.chain.measure.Prepared`. Agreement: `tests/agreement/test_measured_trials.py`.
 """
 
 from __future__ import annotations

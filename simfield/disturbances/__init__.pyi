@@ -29,7 +29,12 @@ from .film import (
     draw_film as draw_film,
     film_monomials as film_monomials,
 )
-from .film_compiled import COLUMNS as COLUMNS, film_coefficients as film_coefficients, solve_film as solve_film
+from .film_compiled import (
+    COLUMNS as COLUMNS,
+    add_film as add_film,
+    film_coefficients as film_coefficients,
+    solve_film as solve_film,
+)
 from .kinds import OneOf as OneOf, by_kind as by_kind
 from .moving_film import MovingFilm as MovingFilm, refuse_steep as refuse_steep
 from .noise import Noise as Noise, geodetic_noise as geodetic_noise, image_noise as image_noise

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from simfield import random
 from simfield.block import Floats, Indices
 from simfield.disturbances.moving_film import MovingFilm
 from simfield.numerics import WIDTH
@@ -71,14 +72,12 @@ class ImagePointDraws:
 
         Trial number t of the slice comes into tile t // WIDTH, lane t % WIDTH; lanes beyond the slice are overwritten.
         """
-        from simfield.random import PERIOD, fill
-
         n, sigma = self.noise, np.column_stack([self.noise.sigma, self.noise.sigma])
         base = self.base if self.moving is None else np.zeros_like(self.base)
         number = self.start + trials.start
-        early, tiles = number % PERIOD, len(lanes)
+        early, tiles = number % random.PERIOD, len(lanes)
         whole = lanes if not early and not tiles % 2 else np.empty((tiles + 2 + tiles % 2, *lanes.shape[1:]))
-        fill(whole, base, sigma, n.place, n.image, number - early, *(np.uint64(k) for k in n.key))
+        random.fill(whole, base, sigma, n.place, n.image, number - early, *(np.uint64(k) for k in n.key))
         if self.moving is not None:
             self.moving.add_to(whole, number - early)
         if whole is not lanes:

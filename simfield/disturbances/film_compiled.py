@@ -2,6 +2,8 @@
 
 Written in lanes (simfield.numerics.lanes): a tile of WIDTH trials at a time, whose arithmetic does not depend on its neighbours.
 The readable forms are `simfield.disturbances.film.draw_film` and `measured_from_ideal`.
+
+Readable form: `simfield.disturbances.film.draw_film`. Agreement: `tests/simfield/test_draws.py`.
 """
 
 from __future__ import annotations

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from simfield import disturbances  # the door, so that the compiled half is loaded when it is first needed
 from simfield.block import Floats, Indices
 from simfield.disturbances.distortion import DistortionError
 from simfield.disturbances.expansion import second_order
@@ -42,13 +43,13 @@ class MovingFilm:
 
     def add_to(self, lanes: Floats, start: int) -> None:
         """Add the points of the trials from `start` on, a multiple of 16, to lanes (tiles, k, 2, 8)."""
-        from simfield.disturbances.film_compiled import add_film
-
         rows = np.argsort(self.image, kind="stable")
         ends = np.searchsorted(self.image[rows], np.arange(self.images + 1))
         t = self.table
         table_ends = np.searchsorted(t.image, np.arange(self.images + 1))
-        add_film(lanes, start, rows, ends, self.place, self.local, table_ends, t.column, t.sigma, t.key, t.owner)
+        disturbances.add_film(
+            lanes, start, rows, ends, self.place, self.local, table_ends, t.column, t.sigma, t.key, t.owner
+        )
 
 
 def refuse_steep(table: FilmTable, place: Floats, local: Floats) -> None:

@@ -16,11 +16,11 @@ if TYPE_CHECKING:
     from adjust.reductions import Plan, ReducedBlock
 
 
-def switches() -> tuple[str, ...]:
+def reduction_names() -> tuple[str, ...]:
     """The reductions that can be left out."""
-    from adjust.reductions import SWITCHES
+    from adjust.reductions import REDUCTIONS
 
-    return SWITCHES
+    return REDUCTIONS
 
 
 def inner_kinds() -> tuple[str, ...]:
@@ -41,14 +41,14 @@ def inner_kinds() -> tuple[str, ...]:
     help="Transformation on the fiducial marks.",
 )
 @click.option("--reseau", type=click.IntRange(1, 5), help="Degree of the reseau correction.  [default: none]")
-@click.option("--without", type=LateChoice(switches), multiple=True, help="A reduction to leave out.")
+@click.option("--without", type=LateChoice(reduction_names), multiple=True, help="A reduction to leave out.")
 @click.option("--threshold", type=click.FloatRange(0.0), default=15.0, show_default=True, help="Double settings, um.")
 def reduce(raw: Path, folder: Path, inner: str, reseau: int | None, without: tuple[str, ...], threshold: float) -> None:
     """Reduce comparator coordinates (`simfield simulate --raw`) to a block folder; say what was removed."""
     from adjust import reductions
     from simfield.files import BlockFolderError, read_raw, write_block
 
-    wanted = {name: name not in without for name in reductions.SWITCHES}
+    wanted = {name: name not in without for name in reductions.REDUCTIONS}
     plan = reductions.Plan(inner=inner, threshold_um=threshold, reseau_degree=reseau, **wanted)  # type: ignore[arg-type]
     try:
         done = reductions.reduce(read_raw(raw), plan)

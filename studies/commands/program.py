@@ -16,8 +16,7 @@ import click
 from studies.commands.blocks import adjust, simulate
 from studies.commands.chain import budget, reduce
 from studies.commands.exits import Failure
-from studies.commands.experiments import reproduce
-from studies.commands.quality import detection
+from studies.commands.experiments import detection, reproduce
 from studies.commands.report import report
 from studies.commands.sets import models
 from studies.commands.studies import replay, run, studies, verify

@@ -1,11 +1,10 @@
 """The gallery: every figure that this project draws, on data of one simulated experiment, with what it is good for.
 
-python -m studies.gallery.gallery [FOLDER]      writes gallery.md and gallery/*.svg, into docs if no folder is named
+python -m studies.gallery [FOLDER]      writes gallery.md and gallery/*.svg, into docs if no folder is named
 """
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -35,12 +34,12 @@ PIECES: Sequence[Piece] = (
     Piece(
         "plan", "Plan of the field with footprints",
         "Map of the test field: 41 groups of points, five of them control, and the outlines of 39 images on the ground "
-        "in the colours of two cameras.", "figures_ground.field_plan", pieces.plan,
+        "in the colours of two cameras.", "figures.field_plan", pieces.plan,
     ),
     Piece(
         "rays", "Rays per point",
         "Map of the points, coloured by the number of images in which each was measured: many in the middle, few at "
-        "the edge.", "figures_ground.rays_per_point", pieces.rays,
+        "the edge.", "figures.rays_per_point", pieces.rays,
     ),
     Piece(
         "radii", "Radius histogram",
@@ -60,7 +59,7 @@ PIECES: Sequence[Piece] = (
     Piece(
         "residual-vectors", "Vector field of residuals",
         "Mean residuals in cells of 20 mm over the format of one camera: a pattern shows what the set of additional "
-        "parameters lacks.", "figures.vectors with block_views.mean_residuals", pieces.residuals,
+        "parameters lacks.", "figures.vectors with comparison.mean_residuals", pieces.residuals,
     ),
     Piece(
         "correlations", "Correlations within a set of additional parameters",
@@ -71,12 +70,12 @@ PIECES: Sequence[Piece] = (
         "correlations-exterior", "Additional parameters against the exterior orientation",
         "Heat map of the correlations of four parameters with the six elements of an image; with a second zero at the "
         "centre the radial coefficients go with the flying height.",
-        "figures.correlation_rectangle with block_views.ap_exterior_correlations", pieces.with_exterior,
+        "figures.correlation_rectangle with comparison.ap_exterior_correlations", pieces.with_exterior,
     ),
     Piece(
         "ellipses", "Error ellipses and height bars",
         "Map of the groups with the one-sigma error ellipse of a point and an upright bar for its height error; both "
-        "grow towards the edge.", "figures_ground.error_ellipses", pieces.ellipses,
+        "grow towards the edge.", "figures.error_ellipses", pieces.ellipses,
     ),
     Piece(
         "redundancy", "Standard errors against redundancy",
@@ -86,17 +85,17 @@ PIECES: Sequence[Piece] = (
     Piece(
         "zip", "Zip plot of coverage",
         "Confidence intervals of a height from 512 trials, sorted by how far they are from the truth; those that miss "
-        "it are drawn in vermilion, most of them at the top.", "figures_trials.zip_plot", pieces.coverage,
+        "it are drawn in vermilion, most of them at the top.", "figures.zip_plot", pieces.coverage,
     ),
     Piece(
         "lollipops", "Lollipop plot of biases",
         "Bias of the six elements of an image's orientation in standard deviations, each with its 95 % Monte-Carlo "
-        "interval.", "figures_trials.lollipops", pieces.biases,
+        "interval.", "figures.lollipops", pieces.biases,
     ),
     Piece(
         "nested-loop", "Nested-loop plot for many factors",
         "Standard error of a height for 18 combinations of points a group, headings and strips under two sets; steps "
-        "below the curves show the levels.", "figures_trials.nested_loop", pieces.many_factors,
+        "below the curves show the levels.", "figures.nested_loop", pieces.many_factors,
     ),
     Piece(
         "published", "Published against simulated",
@@ -106,7 +105,7 @@ PIECES: Sequence[Piece] = (
     Piece(
         "over-a-factor", "A measure over a factor",
         "Correlation of two radial coefficients with a flying height over the place of the second zero, from trials, "
-        "with 95 % Monte-Carlo intervals.", "study_figures.measure_over_factor", pieces.over_a_factor,
+        "with 95 % Monte-Carlo intervals.", "figures.measure_over_factor", pieces.over_a_factor,
     ),
 )  # fmt: skip
 
@@ -142,8 +141,3 @@ def write(folder: Path) -> list[Path]:
     for path, text in files.items():
         write_whole(path, text.encode())
     return list(files)
-
-
-if __name__ == "__main__":
-    for path in write(Path(sys.argv[1] if len(sys.argv) > 1 else "docs")):
-        print(path)

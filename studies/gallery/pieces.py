@@ -13,6 +13,7 @@ from simfield.block import Block, Floats
 from simfield.scenario import changed
 from studies import figures
 from studies.comparison import CONFIDENCE, block_views, distortion
+from studies.experiments.mauelshagen_1980 import drawings, experiment, table1, trials
 from studies.figures import new_figure
 
 if TYPE_CHECKING:
@@ -214,8 +215,6 @@ def many_factors(example: Example) -> Figure:
 
 
 def published(example: Example) -> Figure:
-    from studies.experiments.mauelshagen_1980 import drawings, experiment, table1, trials
-
     rows = experiment.rows()
     return drawings.table1_figure(
         {"rheidt-1980": table1.table1(rows, trials.run_trials(example.world, rows, FLIGHTS, 1, lambda n: None))}

@@ -182,7 +182,7 @@ def _html(text: str, svg_of: Callable[[str], str]) -> str:
 
     page = converted(text, figure)
     environment = jinja2.Environment(
-        loader=jinja2.PackageLoader("studies"),
+        loader=jinja2.PackageLoader("studies.pages"),
         autoescape=True,
         undefined=jinja2.StrictUndefined,
         trim_blocks=True,

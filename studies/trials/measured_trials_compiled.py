@@ -1,5 +1,7 @@
 """One compiled loop over the images: the chain of the simulator, then the reductions of the engine, for some tiles of
 trials. Simulator and engine are written apart and meet here alone.
+
+Readable form: `adjust.reductions.reduction.reduce`. Agreement: `tests/agreement/test_measured_trials.py`.
 """
 
 from __future__ import annotations

@@ -1,6 +1,8 @@
 """The deviations of many trials at the points of a block, compiled: one pass over the estimates where numpy takes ten.
 
 Sums run over the points of one trial in their order, so the bits of a trial do not depend on its neighbours.
+
+Readable form: `studies.comparison.measures`. Agreement: `tests/agreement/test_compiled_twins.py`.
 """
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# Over 300 lines: every way to fail, one table after the other, read as a list
 """What cannot be adjusted ends with a status and a sentence that names the defect; nothing is raised or warned."""
 
 from __future__ import annotations

@@ -18,12 +18,12 @@ from studies.run.verification import verify
 from studies.store.column_sets import CONSTANTS, DEVIATIONS, TRIAL, VERSION, described
 from studies.store.look import joined
 from studies.store.shards import BEFORE, Columns
+from studies.store.status_codes import ABSENT
 from studies.store.store import NOMINAL, Store, StoreError
 from studies.summary.cells import Cell, measured
 from studies.summary.stopping import trials_of
 from studies.texts.markdown_text import escaped
 from studies.trials.geometry import geometry_of
-from studies.trials.trial_columns import ABSENT
 from tests.studies.small_study import TEXT, contents, run_here, study
 
 IDENTITY = "8a6e112c1a1205eb798acb8638f87502fb0c94b3eb777d5a58dad306145ae55d"

@@ -1,3 +1,4 @@
+# Over 300 lines: one report, looked at from all sides
 """The report: one safe file, the same bytes every time; a folder that is damaged or not ours is refused in one line."""
 
 import json

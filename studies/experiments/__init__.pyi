@@ -1,0 +1,1 @@
+from . import detection_page as detection_page, error_budget_page as error_budget_page
