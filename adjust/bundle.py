@@ -34,12 +34,11 @@ def adjust_block(
     result's `status` says whether the adjustment succeeded; nothing is raised for data that cannot be adjusted. Raises
     KeyError for a mapping without one of the cameras. datum says what ties the block to its frame (adjust.datum), the
     control of the block by default. The further observations of the block are used; observations are other groups
-    (adjust.observations.stations, adjust.observations.ap_priors); ValueError or KeyError for those that do not fit the block or the model. ap_by
-    says whose AP sets there are (adjust.model.set_owners): those of cameras, flights, strips or images, or a mapping from image
-    ids to set ids; ValueError if images of two cameras share one or ids name no flight or strip, KeyError for an image
-    that a mapping lacks.
-    compiled=False takes the readable arithmetic in plain numpy, with the same result; it is taken in any case where an
-    observation lies between two images.
+    (adjust.observations.stations, adjust.observations.ap_priors); ValueError or KeyError for those that do not fit
+    the block or the model. ap_by says whose AP sets there are (adjust.model.set_owners): those of cameras, flights,
+    strips or images, or a mapping from image ids to set ids; ValueError if images of two cameras share one or ids
+    name no flight or strip, KeyError for an image that a mapping lacks. compiled=False takes the readable arithmetic
+    in plain numpy, with the same result; it is taken in any case where an observation lies between two images.
 
     Least squares of measured + v = projected + d(measured) with weights 1/sigma^2, by Gauss-Newton with the points
     eliminated (Triggs et al. 2000, Bundle adjustment - a modern synthesis, sections 4 and 6).

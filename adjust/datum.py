@@ -131,7 +131,8 @@ def free_network(a: Adjustment, rows: Indices, targets: Floats) -> FreeAdjustmen
 
 @dataclass(frozen=True, eq=False)
 class FreeAdjustment(Adjustment):
-    """A free network: minimum, the same adjustment on minimum control, and datum_rows (d), the rows of the datum points.
+    """A free network: minimum, the same adjustment on minimum control, and datum_rows (d), the rows of the datum
+    points.
 
     Coordinates and standard deviations in m and radians, as in Adjustment.
     """

@@ -1,4 +1,6 @@
-"""The house in one drawing and one page: `make house` writes docs/house.md and docs/figures/house.svg from the source."""
+"""The house in one drawing and one page: `make house` writes docs/house.md and docs/figures/house.svg from the
+source.
+"""
 
 from __future__ import annotations
 

@@ -138,7 +138,9 @@ def dotted(path: str) -> str:
 
 
 def room_of(path: str) -> str:
-    """simfield/block/block.py is of the room simfield/block; simfield/simulate.py is its own; a root door the package."""
+    """simfield/block/block.py is of the room simfield/block; simfield/simulate.py is its own; a root door the
+    package.
+    """
     parts = path.removesuffix("/__init__.py").split("/")
     return "/".join(parts[:2]) if len(path.split("/")) > 2 else "/".join(parts)
 

@@ -1,8 +1,9 @@
 """Compiled loops for the normal equations of one adjustment; adjust.normals.normals_compiled calls them.
 
-All arrays are those of adjust.observations.image_points.ImagePoints, sorted by image. m images, k observations, n points.
+All arrays are those of adjust.observations.image_points.ImagePoints, sorted by image. m images, k observations, n
+points.
 
-Readable form: `adjust.normals.normals.Plain`. Agreement: `tests/adjust/test_schur.py`.
+Readable form: `adjust.normals.normals.Plain`. Agreement: `tests/adjust/normals/test_schur.py`.
 """
 
 from __future__ import annotations

@@ -101,7 +101,9 @@ def assemble(observations: Observations, x: Floats) -> Normals:
 
 @dataclass(frozen=True, eq=False)
 class Plain:
-    """The arithmetic of this module, for adjust.solution.iteration: readable, and what the compiled one is tested against."""
+    """The arithmetic of this module, for adjust.solution.iteration: readable, and what the compiled one is tested
+    against.
+    """
 
     observations: Observations
 

@@ -1,10 +1,11 @@
-"""Normal equations assembled by compiled loops: the same as adjust.normals.normals, for one adjustment as fast as it goes.
+"""Normal equations assembled by compiled loops: the same as adjust.normals.normals, for one adjustment as fast as it
+goes.
 
 Two ways to reduce them. A block whose images nearly all share points with one another gets a dense reduced matrix, and
 BLAS does the work. A large block gets a banded one: images are ordered so that those sharing points are neighbours
 (reverse Cuthill-McKee), and the additional parameters, which touch every image, stand in a border.
 
-Readable form: `adjust.normals.normals.Plain`. Agreement: `tests/adjust/test_schur.py`.
+Readable form: `adjust.normals.normals.Plain`. Agreement: `tests/adjust/normals/test_schur.py`.
 """
 
 from __future__ import annotations
@@ -63,7 +64,9 @@ class CompiledNormals(Gradient):
 
 @dataclass(frozen=True, eq=False)
 class Compiled:
-    """The compiled arithmetic for adjust.solution.iteration; it keeps what stays the same from one iteration to the next."""
+    """The compiled arithmetic for adjust.solution.iteration; it keeps what stays the same from one iteration to the
+    next.
+    """
 
     observations: Observations
 

@@ -1,9 +1,9 @@
 """Further observations, beside image points and control: what a group of them must say, and how it enters the normals.
 
-A group is a value a user makes, such as adjust.observations.stations.StationPositions. Bound to the layout of a block it gives
-corrections v = f(x) - observed, weights, and a few derivatives a row. All of them belong to orientation unknowns
-(exterior orientation, additional parameters, and unknowns that the group brings along), so that eliminating the points
-stays as it is.
+A group is a value a user makes, such as adjust.observations.stations.StationPositions. Bound to the layout of a block
+it gives corrections v = f(x) - observed, weights, and a few derivatives a row. All of them belong to orientation
+unknowns (exterior orientation, additional parameters, and unknowns that the group brings along), so that eliminating
+the points stays as it is.
 """
 
 from __future__ import annotations
@@ -109,7 +109,8 @@ def add_dense(forms: Forms, ee: Floats) -> None:
 
 
 def add_blocks(forms: Forms, ee: Floats, ea: Floats, aa: Floats) -> None:
-    """Add A^T P A to ee (m, 6, 6) lower triangles, ea (m, 6, A) and aa (A, A), as adjust.normals.normals_compiled keeps them.
+    """Add A^T P A to ee (m, 6, 6) lower triangles, ea (m, 6, A) and aa (A, A), as adjust.normals.normals_compiled
+    keeps them.
 
     Raises TwoImagesError for an observation that touches more than one image.
     """

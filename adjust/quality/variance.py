@@ -11,7 +11,8 @@ Weights are divided by theta and the block is adjusted again, until all theta ar
 Foerstner's simpler iteration, the estimate is that of restricted maximum likelihood, and 2 H^-1 is the covariance
 matrix of the factors. A step changes no factor by more than STEP_MOST, for Helmert's solution can be negative.
 
-H needs no n x n matrix. With h_kl = t_k . t_l + b_k . b_l (adjust.quality.influence) the sum of its squares over two groups is
+H needs no n x n matrix. With h_kl = t_k . t_l + b_k . b_l (adjust.quality.influence) the sum of its squares over two
+groups is
 
     tr(G_i G_j) + sum over points of 2 <M_i, M_j> + <B_i, B_j>,   G = sum t t^T, M = sum t b^T, B = sum b b^T.
 """

@@ -1,10 +1,10 @@
 """The gradient of a block of trials, as plain Python that a compiler takes in (adjust.trials.traced_terms does that).
 
 Trials come in tiles of WIDTH, the innermost, contiguous axis of every array; what a tile needs stays in the
-second-level cache. The kernels are written in lanes (simfield.numerics.lanes): every name is the number of all trials of a tile.
-No sine, cosine or logarithm is taken in the inner loop; rotations come in as matrices.
+second-level cache. The kernels are written in lanes (simfield.numerics.lanes): every name is the number of all trials
+of a tile. No sine, cosine or logarithm is taken in the inner loop; rotations come in as matrices.
 
-Readable form: `adjust.normals.normals.Plain`. Agreement: `tests/adjust/test_traced_terms.py`.
+Readable form: `adjust.normals.normals.Plain`. Agreement: `tests/adjust/trials/test_traced_terms.py`.
 """
 
 from __future__ import annotations
@@ -71,11 +71,11 @@ def gradient_tile(
     """Half the gradient of vPv, A^T P v, of the image points of the images `images` (q), which share one AP set.
 
     images and starts (m + 1) are unsigned, for numba then omits its handling of negative indices; point (k), weight
-    (k, 2), interior (m, 3) as in adjust.observations.image_points.ImagePoints; contexts (m, 12 + a, WIDTH); first: row in x and g of
-    the first point coordinate; xy (k, 2, WIDTH) measured; x (size, WIDTH) the unknowns. The point part is added to g
-    (size, WIDTH), the rest is left in sums (m, 8 + a, WIDTH): the force and the torque on each station (minus the
-    gradient by X0, and minus that by small rotations about the object axes), vPv, the least depth, and the gradient by
-    the parameters.
+    (k, 2), interior (m, 3) as in adjust.observations.image_points.ImagePoints; contexts (m, 12 + a, WIDTH); first:
+    row in x and g of the first point coordinate; xy (k, 2, WIDTH) measured; x (size, WIDTH) the unknowns. The point
+    part is added to g (size, WIDTH), the rest is left in sums (m, 8 + a, WIDTH): the force and the torque on each
+    station (minus the gradient by X0, and minus that by small rotations about the object axes), vPv, the least depth,
+    and the gradient by the parameters.
     """
     align_stack()
     zero = same(0.0)

@@ -179,7 +179,9 @@ def _tuple(items: list[str]) -> str:
 
 
 def compile_gradient(model: ApModel) -> Callable[..., Any]:
-    """`adjust.trials.gradient_compiled.gradient_block` with the terms of this model, compiled. Raises UntraceableError."""
+    """`adjust.trials.gradient_compiled.gradient_block` with the terms of this model, compiled. Raises
+    UntraceableError.
+    """
     gradient: Callable[..., Any] = _load(_source(Trace.of(model))).gradient_block
     return gradient
 

@@ -1,7 +1,7 @@
 """Further observations of a block: exposure stations, distances, height differences, prior values of parameters.
 
-Each table is empty where nothing was observed. Conventions as in simfield.block.block: metres, radians, NaN for what was not
-observed; rows name images, points and cameras by their index.
+Each table is empty where nothing was observed. Conventions as in simfield.block.block: metres, radians, NaN for what
+was not observed; rows name images, points and cameras by their index.
 """
 
 from __future__ import annotations

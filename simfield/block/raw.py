@@ -1,7 +1,7 @@
 """The measured file: what a surveyor has before any reduction. Machine coordinates, marks, certificates, heights.
 
-Its files: simfield.files.raw_folder. time runs from 0 to 1 in the session of an image; fiducials are set at its start and at
-its end.
+Its files: simfield.files.raw_folder. time runs from 0 to 1 in the session of an image; fiducials are set at its start
+and at its end.
 """
 
 from __future__ import annotations

@@ -1,4 +1,6 @@
-"""Refraction and earth curvature, image by image with its own flying height; effects are those of simfield.disturbances.effects."""
+"""Refraction and earth curvature, image by image with its own flying height; effects are those of
+simfield.disturbances.effects.
+"""
 
 from __future__ import annotations
 

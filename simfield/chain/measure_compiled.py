@@ -21,10 +21,11 @@ from simfield.random import ZERO, draw, drawn_of, philox
 class Room(NamedTuple):
     """Where an image is worked on, for an even number of tiles.
 
-    drawn (2 T), T trials: numbers as `simfield.random.counter_normals_compiled.draw` leaves them; film (tiles, 2, COLUMNS, WIDTH)
-    coefficients; field (q, 2 T): numbers of the smooth field, by mode; smooth (2, tiles, 2, WIDTH) mm: the field at two
-    places; placed (tiles, 4, WIDTH): cosine and sine of the film's turn, its shift, mm; gross (tiles, 2, WIDTH) mm:
-    gross errors of a point; word (4, 2 tiles) and hit (tiles, WIDTH): who has one; exact (2, WIDTH) mm: for others.
+    drawn (2 T), T trials: numbers as `simfield.random.counter_normals_compiled.draw` leaves them; film (tiles, 2,
+    COLUMNS, WIDTH) coefficients; field (q, 2 T): numbers of the smooth field, by mode; smooth (2, tiles, 2, WIDTH)
+    mm: the field at two places; placed (tiles, 4, WIDTH): cosine and sine of the film's turn, its shift, mm; gross
+    (tiles, 2, WIDTH) mm: gross errors of a point; word (4, 2 tiles) and hit (tiles, WIDTH): who has one; exact (2,
+    WIDTH) mm: for others.
     """
 
     drawn: Floats

@@ -1,8 +1,8 @@
 """Image coordinates of many trials, drawn when they are asked for.
 
 The numbers are those of `World.image_points`, trial by trial and bit by bit (film that changes from trial to trial:
-to 1e-11 mm): they hang on key and counter alone (simfield.random.counter_normals), so neither the order of drawing nor the
-size of a slice matters.
+to 1e-11 mm): they hang on key and counter alone (simfield.random.counter_normals), so neither the order of drawing
+nor the size of a slice matters.
 """
 
 from __future__ import annotations

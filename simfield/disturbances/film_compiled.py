@@ -1,9 +1,9 @@
 """The film of many trials in compiled loops: coefficients drawn by counter, and measured = ideal + d(measured) solved.
 
-Written in lanes (simfield.numerics.lanes): a tile of WIDTH trials at a time, whose arithmetic does not depend on its neighbours.
-The readable forms are `simfield.disturbances.film.draw_film` and `measured_from_ideal`.
+Written in lanes (simfield.numerics.lanes): a tile of WIDTH trials at a time, whose arithmetic does not depend on its
+neighbours. The readable forms are `simfield.disturbances.film.draw_film` and `measured_from_ideal`.
 
-Readable form: `simfield.disturbances.film.draw_film`. Agreement: `tests/simfield/test_draws.py`.
+Readable form: `simfield.disturbances.film.draw_film`. Agreement: `tests/simfield/disturbances/test_draws.py`.
 """
 
 from __future__ import annotations
@@ -39,8 +39,9 @@ def solve_film(x, y, local, row, film, tile, shift_x, shift_y):  # type: ignore[
     """(u, v), lanes that solve (u, v) = shift + local(u, v) + film((x, y) + (u, v)).
 
     (x, y): the place on the film, with the deformation that all trials share; local (k, 2, 5): that deformation around
-    the places (simfield.disturbances.expansion), of which `row` is this one; film (tiles, 2, COLUMNS, WIDTH). The part of the right
-    side that is linear in (u, v) goes to the left and is solved for; CORRECTIONS evaluations of the rest follow.
+    the places (simfield.disturbances.expansion), of which `row` is this one; film (tiles, 2, COLUMNS, WIDTH). The
+    part of the right side that is linear in (u, v) goes to the left and is solved for; CORRECTIONS evaluations of the
+    rest follow.
     """
     xx, xy, yy = x * x, x * y, y * y
     p0, p1, p2 = load(film, tile, 0, 0), load(film, tile, 0, 1), load(film, tile, 0, 2)

@@ -1,4 +1,6 @@
-"""Image points on film that is deformed anew in every trial, for blocks of trials (simfield.disturbances.film_compiled)."""
+"""Image points on film that is deformed anew in every trial, for blocks of trials
+(simfield.disturbances.film_compiled).
+"""
 
 from __future__ import annotations
 

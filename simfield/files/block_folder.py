@@ -1,8 +1,8 @@
 """A block as a folder of CSV files, and back, without losing a bit: four that every block has, others where further
 observations were made (simfield.files.further_files).
 
-Every float is written with the digits that read as the same float, angles in degrees (simfield.files.degrees), NaN as an
-empty field. What each column means, its unit and what an empty field says: docs/conventions.md. Other files in the
+Every float is written with the digits that read as the same float, angles in degrees (simfield.files.degrees), NaN as
+an empty field. What each column means, its unit and what an empty field says: docs/conventions.md. Other files in the
 folder are neither read nor touched.
 """
 

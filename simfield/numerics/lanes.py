@@ -2,8 +2,9 @@
 
 Lanes are eight double or sixteen single precision numbers, one vector register wide. `load` takes them from the last
 axis of an array, arithmetic acts on all of them, `store` puts them back. In plain Python they are rows of numpy arrays,
-so that a kernel can be read and tested without the compiler; for numba `simfield.numerics.lanes_compiled` makes them vectors, so
-that loops become vector instructions without the compiler having to prove anything, and sums stay in registers.
+so that a kernel can be read and tested without the compiler; for numba `simfield.numerics.lanes_compiled` makes them
+vectors, so that loops become vector instructions without the compiler having to prove anything, and sums stay in
+registers.
 """
 
 from __future__ import annotations

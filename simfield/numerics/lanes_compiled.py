@@ -3,7 +3,7 @@
 Sums of products may be fused, quotients by one divisor may share its reciprocal; nothing else is reordered, so results
 do not depend on how many trials there are. Written with numba's low-level extension interface, in terms of LLVM.
 
-Readable form: `simfield.numerics.lanes`. Agreement: `tests/simfield/test_lanes.py`.
+Readable form: `simfield.numerics.lanes`. Agreement: `tests/simfield/numerics/test_lanes.py`.
 """
 
 from __future__ import annotations

@@ -1,4 +1,5 @@
-"""Named streams of random numbers, and normal numbers by counter: the same whatever the order in which they are asked for.
+"""Named streams of random numbers, and normal numbers by counter: the same whatever the order in which they are asked
+for.
 
 It knows nothing of what is drawn.
 """

@@ -3,8 +3,8 @@
 Philox4x32-10 (Salmon et al. 2011, Parallel random numbers: as easy as 1, 2, 3) turns a counter of four 32-bit words
 into four random ones, Box & Muller (1958) turns two of these into two independent standard normal numbers. They go to
 6.7 standard deviations, where one in 4e10 would lie beyond. Logarithm, sine and cosine are polynomials written out
-here, so that no mathematical library can change a bit. This is the readable form in numpy; `simfield.random.counter_normals_compiled`
-has the same operations compiled, and gives the same bits.
+here, so that no mathematical library can change a bit. This is the readable form in numpy;
+`simfield.random.counter_normals_compiled` has the same operations compiled, and gives the same bits.
 """
 
 from __future__ import annotations

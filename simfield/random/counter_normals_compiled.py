@@ -3,7 +3,7 @@
 Operations and their order are those of the readable form and none are fused, so the bits agree. Compiled code is kept
 on disk; the first call on a machine compiles for some seconds.
 
-Readable form: `simfield.random.counter_normals`. Agreement: `tests/simfield/test_counter_normals.py`.
+Readable form: `simfield.random.counter_normals`. Agreement: `tests/simfield/random/test_counter_normals.py`.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """The report of a folder of results as one HTML file: a study, a reproduction, an error budget.
 
-The words are those of Markdown pages: of a study studies.pages.study_page makes them from its summary, of the others they are
-the folder's own report.md. Figures stand inline; there is no script, and the page asks nobody for anything.
+The words are those of Markdown pages: of a study studies.pages.study_page makes them from its summary, of the others
+they are the folder's own report.md. Figures stand inline; there is no script, and the page asks nobody for anything.
 """
 
 from __future__ import annotations

@@ -1,7 +1,8 @@
 """The protocol of an adjustment as figures: what a surveyor signs. The keys are those of protocol.json.
 
-Beside the estimates (studies.protocol.adjustment_page) it has the datum, the global test, redundancy by group, significance of
-additional parameters, reliability, suspected gross errors, residuals by image and by radius, control, and advice.
+Beside the estimates (studies.protocol.adjustment_page) it has the datum, the global test, redundancy by group,
+significance of additional parameters, reliability, suspected gross errors, residuals by image and by radius, control,
+and advice.
 """
 
 from __future__ import annotations

@@ -1,5 +1,5 @@
-"""The protocol as a page of text, from the figures of studies.protocol.record. Lengths in metres, angles in degrees, images
-in um.
+"""The protocol as a page of text, from the figures of studies.protocol.record. Lengths in metres, angles in degrees,
+images in um.
 """
 
 from __future__ import annotations

@@ -135,8 +135,8 @@ def _of_unknowns(cell: Cell) -> dict[str, Measured]:
 def _choice(cell: Cell) -> dict[str, Floats]:
     """What one chooses a set of additional parameters by: by name, a value (m) for each trial.
 
-    aic and bic as in adjust.quality.model_choice; significant, the number of parameters whose 95 % interval does not contain 0,
-    of parameters; the other two belong to the noise-free adjustment.
+    aic and bic as in adjust.quality.model_choice; significant, the number of parameters whose 95 % interval does not
+    contain 0, of parameters; the other two belong to the noise-free adjustment.
     """
     if not len(cell.error) or not cell.claims or "observations" not in cell.constants:
         return {}

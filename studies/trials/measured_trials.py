@@ -1,8 +1,8 @@
 """Image coordinates of many trials through the whole measurement chain and its reductions, drawn when asked for.
 
-The fast route to what `simfield.chain.Prepared.measure` and `adjust.reductions.reduction.reduce` say trial by trial: what is
-deterministic for a geometry is computed once, what is random in compiled loops over blocks of trials. It agrees with
-the readable route to 1e-9 mm, and a trial has the same bits in any block.
+The fast route to what `simfield.chain.Prepared.measure` and `adjust.reductions.reduction.reduce` say trial by trial:
+what is deterministic for a geometry is computed once, what is random in compiled loops over blocks of trials. It
+agrees with the readable route to 1e-9 mm, and a trial has the same bits in any block.
 """
 
 from __future__ import annotations

@@ -19,8 +19,9 @@ from simfield.random import draw
 class Tail(NamedTuple):
     """What lens and air take out of the n points, around places (n, 2) where they come to lie but for errors.
 
-    removed (n, 2) mm there and local (n, 2, 5) around (simfield.disturbances.expansion); smooth (n): whether that may be used, which
-    is not near the centre, where a certificate has no direction; wanted: whether anything is taken out at all.
+    removed (n, 2) mm there and local (n, 2, 5) around (simfield.disturbances.expansion); smooth (n): whether that may
+    be used, which is not near the centre, where a certificate has no direction; wanted: whether anything is taken out
+    at all.
     """
 
     place: Floats

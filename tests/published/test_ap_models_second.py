@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from adjust import ap_models
-from tests.published import second_forms
+from tests.published import second_forms, second_forms_families
 from tests.published.second_forms import Term
 
 ROUNDING = 1e-12
@@ -49,7 +49,7 @@ class Second:
 
 def zernike_on_corners(x: float, y: float, *, order: int, bx: float, by: float) -> list[Term]:
     """The circle goes through the corners of the format."""
-    return second_forms.zernike(x, y, order=order, radius=math.hypot(bx, by))
+    return second_forms_families.zernike(x, y, order=order, radius=math.hypot(bx, by))
 
 
 R0 = {"r0_mm": "r0"}
@@ -77,17 +77,17 @@ SECOND: dict[str, Second] = {
     "brown1976": Second(second_forms.brown1976, {"c_mm": "c"}, ({"c_mm": 153.0}, {"c_mm": 85.5})),
     "jacobsen12": Second(second_forms.jacobsen12, named=False),
     "legendre": Second(
-        second_forms.legendre, PRODUCT, orders((2, 2), (3, 3), (4, 4), (2, 4), (5, 5)), named=False, span=True
+        second_forms_families.legendre, PRODUCT, orders((2, 2), (3, 3), (4, 4), (2, 4), (5, 5)), named=False, span=True
     ),
     "fourier": Second(
-        second_forms.fourier,
+        second_forms_families.fourier,
         PRODUCT,
         orders((1, 1), (2, 2), (2, 1)) + orders((1, 1), half=(115.0, 80.0)),
         named=False,
         span=True,
     ),
     "chebyshev": Second(
-        second_forms.chebyshev, PRODUCT, orders((2, 2), (3, 3), (4, 4), (2, 4)), named=False, span=True
+        second_forms_families.chebyshev, PRODUCT, orders((2, 2), (3, 3), (4, 4), (2, 4)), named=False, span=True
     ),
     "zernike": Second(
         zernike_on_corners,

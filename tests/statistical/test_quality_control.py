@@ -17,7 +17,7 @@ from adjust.quality.variance import variance_components
 from simfield import presets, simulate
 from simfield.block.block import Floats
 from tests import synthetic
-from tests.adjust.test_variance import FACTORS, noisy
+from tests.adjust.quality.test_variance import FACTORS, noisy
 from tests.statistical.repeated import STANDARD_ERRORS, Repeated, assert_rate, error_free, noise, repeat
 
 LEVELS = (0.001, 0.01, 0.05)

@@ -7,7 +7,7 @@ import pytest
 from tests.chromium import ARGUMENTS, CHROMIUM, IN_A_BROWSER, sync_api
 
 pytestmark = IN_A_BROWSER
-REPORTS = sorted((Path(__file__).parents[2] / "results").glob("*/report.html"))
+REPORTS = sorted((Path(__file__).parents[3] / "results").glob("*/report.html"))
 LEAST_PX = 9.0
 LETTERS = """() => [...document.querySelectorAll('svg')].flatMap(svg => {
   const times = svg.getBoundingClientRect().width / svg.viewBox.baseVal.width;

@@ -17,8 +17,8 @@ from simfield.block.further import Further, Lines
 from simfield.files.block_folder import write_block
 from studies.commands.program import main
 from tests import synthetic
-from tests.adjust.test_failures import TestImages
-from tests.adjust.test_stated import MODEL, further
+from tests.adjust.observations.test_stated import MODEL, further
+from tests.adjust.solution.test_failures import TestImages
 
 USERS_SET = '''"""A set of the user's own: an affinity, whose scale a flying height carries just as well."""
 from adjust.ap_models.model import ApModel, Certainty

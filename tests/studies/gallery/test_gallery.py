@@ -9,7 +9,7 @@ import pytest
 from studies.gallery.gallery import PIECES, drawn, page
 from studies.gallery.pieces import Example
 
-DOCS = Path(__file__).parents[2] / "docs"
+DOCS = Path(__file__).parents[3] / "docs"
 SVG = "{http://www.w3.org/2000/svg}"
 QUICK = ("plan", "radii", "ellipses", "residual-vectors")
 """pieces that need one adjustment at most"""

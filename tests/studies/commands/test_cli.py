@@ -167,7 +167,7 @@ def test_doctor_is_content():
 
 
 def test_doctor_asks_for_every_dependency():
-    declared = tomllib.loads((Path(__file__).parents[2] / "pyproject.toml").read_text(encoding="utf-8"))
+    declared = tomllib.loads((Path(__file__).parents[3] / "pyproject.toml").read_text(encoding="utf-8"))
     assert [re.split("[<>=]", each)[0] for each in declared["project"]["dependencies"]] == list(LIBRARIES)
 
 

@@ -11,7 +11,7 @@ from adjust.quality.variance import _helmert, groups_by_camera, variance_compone
 from simfield.block.block import Block
 from tests import synthetic
 from tests.adjust import dense
-from tests.adjust.test_reliability import Textbook
+from tests.adjust.quality.test_reliability import Textbook
 
 FACTORS = {"ww": 0.7, "sww": 1.5}
 

@@ -16,7 +16,7 @@ from adjust.trials.replicates import adjust_replicates
 from simfield import build_world, presets, write_block
 from studies.commands.program import main
 
-DOCUMENT = Path(__file__).parents[2] / "docs" / "own-models.md"
+DOCUMENT = Path(__file__).parents[3] / "docs" / "own-models.md"
 CODE = re.findall(
     r"^```python\n(# spiral.py\n.*?)^```", DOCUMENT.read_text(encoding="utf-8"), re.DOTALL | re.MULTILINE
 )[0]

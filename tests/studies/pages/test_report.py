@@ -16,7 +16,7 @@ from studies.commands.program import main
 from studies.pages.html_report import report
 from tests.studies.small_study import TEXT, run_here, study
 
-RESULTS = Path(__file__).parents[2] / "results"
+RESULTS = Path(__file__).parents[3] / "results"
 HOSTILE = "<script>alert(1)</script>"
 FORMULA = r"$\\frac$ $x$"
 CALL = "=HYPERLINK(1)"
