@@ -56,7 +56,8 @@ def drawn(house: House) -> str:
     for number, (package, rows) in enumerate(columns.items()):
         left = MARGIN + number * (COLUMN + MARGIN)
         lines += [
-            f'<rect x="{left}" y="{MARGIN}" width="{COLUMN}" height="{height - 2 * MARGIN}" rx="10" fill="{COLOURS[package]}"/>',
+            f'<rect x="{left}" y="{MARGIN}" width="{COLUMN}" height="{height - 2 * MARGIN}" rx="10" '
+            f'fill="{COLOURS[package]}"/>',
             _text(left + 14, MARGIN + 26, package, 18, INK, "bold"),
             _text(left + 14, MARGIN + 45, MOTTOS[package], 12, FAINT),
         ]
@@ -98,8 +99,9 @@ def page(house: House) -> str:
     lines = [
         "# The house",
         "",
-        "Made from the source by `make house`; a test holds it current. How to build in it: [development](development.md). A room knows only rooms",
-        "below it, `studies` all of `adjust` and `simfield`; `adjust` knows `block` and `numerics` of `simfield` and nothing else.",
+        "Made from the source by `make house`; a test holds it current. How to build in it: [development](development.md).",
+        "A room knows only rooms below it, `studies` all of `adjust` and `simfield`; `adjust` knows `block` and `numerics` of",
+        "`simfield` and nothing else.",
         "",
         "![Rooms of the three packages, each above what it needs](figures/house.svg)",
         "",

@@ -1,4 +1,4 @@
-"""The picture of the front page: a scenario, one image of its block, what an adjustment found, and what a study asks."""
+"""The picture of the front page: a scenario, an image of its block, what an adjustment found, what a study asks."""
 
 from __future__ import annotations
 
@@ -19,9 +19,10 @@ if TYPE_CHECKING:
 
 TITLE = "Scenario, block, adjustment, study"
 SAYS = (
-    "Four pictures in a row. A plan of the field with the outlines of 39 images; the points of one image; radial distortion as "
-    "an adjustment found it, with a band of one standard deviation and the true curve dashed; the errors of a height in 512 "
-    "trials, in the standard deviations that the adjustments claim, beside the distribution that they should have."
+    "Four pictures in a row. A plan of the field with the outlines of 39 images; the points of one image; radial "
+    "distortion as an adjustment found it, with a band of one standard deviation and the true curve dashed; the errors "
+    "of a height in 512 trials, in the standard deviations that the adjustments claim, beside the distribution that "
+    "they should have."
 )
 HALF_FORMAT_MM = 115.0
 
