@@ -99,9 +99,9 @@ def page(house: House) -> str:
     lines = [
         "# The house",
         "",
-        "Made from the source by `make house`; a test holds it current. How to build in it: [development](development.md).",
-        "A room knows only rooms below it, `studies` all of `adjust` and `simfield`; `adjust` knows `block` and `numerics` of",
-        "`simfield` and nothing else.",
+        "Made from the source by `make house`; a test holds it current. How to build in it:",
+        "[development](development.md). A room knows only rooms below it, `studies` all of `adjust` and `simfield`;",
+        "`adjust` knows `block` and `numerics` of `simfield` and nothing else.",
         "",
         "![Rooms of the three packages, each above what it needs](figures/house.svg)",
         "",

@@ -1,3 +1,4 @@
+from . import replicates as replicates
 from .chord import Chord as Chord
 from .replicates import (
     Replicates as Replicates,

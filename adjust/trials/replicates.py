@@ -3,8 +3,9 @@
 Noise moves the estimates by a few standard deviations, so one factorisation at the nominal geometry serves all trials:
 every trial iterates x <- x - Q g(x) with the cofactors Q of the nominal adjustment and its own exact gradient
 g = A^T P v (adjust.trials.chord). This contracts about a thousandfold a step, and ends where g vanishes, which is
-where full Gauss-Newton ends. A trial has converged when the error left, bounded by the last step and the contraction observed, is
-below 1e-8 standard deviations for every unknown. A trial that does not contract is finished by full Gauss-Newton.
+where full Gauss-Newton ends. A trial has converged when the error left, bounded by the last step and the contraction
+observed, is below 1e-8 standard deviations for every unknown. A trial that does not contract is finished by full
+Gauss-Newton.
 """
 
 from __future__ import annotations

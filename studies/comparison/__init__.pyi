@@ -1,5 +1,10 @@
 from . import block_views as block_views, distortion as distortion, measures as measures
-from .block_views import PointErrors as PointErrors, point_errors as point_errors
+from .block_views import (
+    PointErrors as PointErrors,
+    ap_exterior_correlations as ap_exterior_correlations,
+    mean_residuals as mean_residuals,
+    point_errors as point_errors,
+)
 from .distortion import (
     DecenteringFields as DecenteringFields,
     RadialCurve as RadialCurve,

@@ -27,7 +27,7 @@ SIZES = (0.0, 4.0, 5.0, 6.0, 8.0, 10.0, 12.0, 16.0, 20.0)
 """of one planted error, in standard deviations of its observation"""
 SHARES = (0.005, 0.02, 0.05, 0.1)
 """of all coordinates that are wrong at once"""
-TOGETHER = 0.05
+FAMILY_ALPHA = 0.05
 """level of all tests of an adjustment together"""
 STANDARD_ERRORS = 3.0
 SAYS = (
@@ -75,7 +75,7 @@ def find(block: Block, model: ApModel, trials: int, contests: int, seed: int) ->
     """One error at a time at two levels, the errors the same at both, and many at once. Raises ValueError for a block
     that cannot be adjusted.
     """
-    levels = (ALPHA, familywise(TOGETHER, 2 * len(block.observations)))
+    levels = (ALPHA, familywise(FAMILY_ALPHA, 2 * len(block.observations)))
     one, many = [], []
     with one_thread(), progress_bar(len(levels) * len(SIZES) + len(SHARES), "tables") as bar:
         for level in levels:
@@ -83,7 +83,7 @@ def find(block: Block, model: ApModel, trials: int, contests: int, seed: int) ->
                 one.append(detection(block, model, trials, seed, (size,), level))
                 bar.update()
         for share in SHARES:
-            table = many_at_once(block, model, share, contests, seed, TOGETHER)
+            table = many_at_once(block, model, share, contests, seed, FAMILY_ALPHA)
             table.insert(0, "share", share)
             many.append(table)
             bar.update()
@@ -176,7 +176,7 @@ def page(found: Findings, command: str, trials: int, contests: int) -> str:
         f"gross error {alarms:.1f}: {verdict} (bound {STANDARD_ERRORS:g}).\n\n"
         "## Many at once\n\n"
         f"{contests} trials a row; a share of all coordinates is wrong by 6 to 20 standard deviations; "
-        f"{TOGETHER:.0%} for all tests together. found: share of the wrong ones that are accused; accused_wrongly: "
+        f"{FAMILY_ALPHA:.0%} for all tests together. found: share of the wrong ones that are accused; accused_wrongly: "
         "share of the right ones; point_rms_m: rms error of the adjusted coordinates.\n\n"
         f"{markdown(found.many, MANY_FORMATS)}\n"
         "![detection](detection.png)\n"

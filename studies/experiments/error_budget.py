@@ -21,7 +21,7 @@ from studies.summary import performance
 from studies.trials import MeasuredTrials
 
 EVERYTHING = "all together"
-TOGETHER = 64
+TRIALS_AT_ONCE = 64
 """trials whose coordinates are in memory at once"""
 UNDISTURBED_UM = 1e-6
 """noise of a world without noise: the block's weights need some"""
@@ -109,8 +109,8 @@ def _measured(prepared: Prepared, plan: Plan, model: ApModel, trials: int) -> di
     reduced = MeasuredTrials(prepared, plan, 0, trials)
     given = np.stack([world.given_coordinates(trial) for trial in range(trials)])
     squares = np.zeros(2)
-    for first in range(0, trials, TOGETHER):
-        some = slice(first, min(first + TOGETHER, trials))
+    for first in range(0, trials, TRIALS_AT_ONCE):
+        some = slice(first, min(first + TRIALS_AT_ONCE, trials))
         squares += [_squares_beyond_rigid(m[some], world).sum() for m in (machine, reduced)]
     before, after = (float(v) for v in 1000.0 * np.sqrt(squares / (trials * 2 * prepared.count)))
     return _figures(reduce(prepared.measure(0), plan).block, reduced, given, model, before, after, world.ideal)

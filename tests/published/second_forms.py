@@ -1,3 +1,4 @@
+# Over 300 lines: one typed page, a form beside the other, read against the source in one go
 """Second forms of the sets of additional parameters: an independent check of the product's formulas.
 
 Typed from the source without looking at the product's implementation: every function is written straight from the

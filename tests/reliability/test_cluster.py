@@ -120,8 +120,8 @@ def test_a_killed_scheduler_ends_the_command_and_a_rerun_finishes(
     (tmp_path / "small.toml").write_text(TEXT.replace("max = 96", "max = 200000"), encoding="utf-8")
     store = tmp_path / "store"
     process = subprocess.Popen(
-        [sys.executable, "-c", "from studies.commands import main; main()", "run", str(tmp_path / "small.toml"), "--out",
-         str(store), "--backend", "dask", "--scheduler", cluster.address],
+        [sys.executable, "-c", "from studies.commands import main; main()", "run", str(tmp_path / "small.toml"),
+         "--out", str(store), "--backend", "dask", "--scheduler", cluster.address],
         cwd=TOP, start_new_session=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
     )  # fmt: skip
     ends = time.monotonic() + 120.0

@@ -70,8 +70,8 @@ def _world(found: Findings) -> Iterator[str]:
     yield _page_of(found)
     yield (
         "Not known and assumed: whatever the sources in `simfield/world/cameras.py`, `simfield/world/fields.py` and "
-        "`simfield/scenario/preset_scenarios.py` call an assumption, above all the distortions, the distance within a group, and which "
-        "points were not measured.\n"
+        "`simfield/scenario/preset_scenarios.py` call an assumption, above all the distortions, the distance within a "
+        "group, and which points were not measured.\n"
     )
     yield _figure("plan")
 

@@ -9,11 +9,11 @@ from typing import Any
 import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
-from tests.simfield.block.test_block_folder import FILES, bits
 
 from simfield.block.block import Block
 from simfield.block.further import ANGLE_MOST, Further, Lines, Priors, Stations, Strips
 from simfield.files.block_folder import BlockFolderError, read_block, write_block
+from tests.simfield.files.test_block_folder import FILES, bits
 
 FURTHER = {
     "strips.csv": "strip_id,position_bias,attitude_bias\nwest,drift,none\n",

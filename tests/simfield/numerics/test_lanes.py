@@ -14,7 +14,7 @@ from adjust.model.rotation import rotation_matrices
 from adjust.trials import gradient_compiled as kernels
 from adjust.trials.traced_terms import compile_gradient
 from simfield.numerics import lanes
-from simfield.numerics.arena import Arena
+from simfield.numerics.arena import CACHE_LINE, Arena
 from simfield.numerics.lanes import WIDTH, load, store
 
 FUSED = 4 * np.finfo(float).eps
@@ -157,7 +157,7 @@ def test_an_arena_begins_its_arrays_with_cache_lines():
     arena = Arena()
     arrays = [arena.array(*shape) for shape in ((3, 5), (7,), (2, 9, 8), (3000, 1000), (2,))]
     for number, array in enumerate(arrays):
-        assert array.ctypes.data % lanes.CACHE_LINE == 0
+        assert array.ctypes.data % CACHE_LINE == 0
         array[:] = number
     assert [array.shape for array in arrays] == [(3, 5), (7,), (2, 9, 8), (3000, 1000), (2,)]
     assert all((array == number).all() for number, array in enumerate(arrays))  # nobody has another's memory

@@ -175,7 +175,7 @@ def test_interrupt_exits_130(folder, monkeypatch):
     def interrupted(*_):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("simfield.files.block_folder.read_block", interrupted)
+    monkeypatch.setattr("simfield.files.read_block", interrupted)
     assert call("adjust", folder, "--ap", "none").exit_code == 130
 
 

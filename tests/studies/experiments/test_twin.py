@@ -12,7 +12,7 @@ from simfield import build_world, presets, read_block
 from simfield.chain.measure import prepare
 from simfield.chain.presets import STAGES, chains
 from simfield.files.raw_folder import read_raw, write_raw
-from studies.commands import program as cli
+from studies.commands import blocks
 from studies.commands.program import main
 from studies.experiments import published
 from studies.experiments.mauelshagen_1980.experiment import Row
@@ -131,7 +131,7 @@ def test_the_twin_is_written(tmp_path):
 
 def test_stages_left_out_and_sets_by_flight_from_the_command_line(tmp_path):
     raw, block, run = str(tmp_path / "raw"), str(tmp_path / "block"), CliRunner()
-    assert set(cli.stages()) == set(STAGES)
+    assert set(blocks.stages()) == set(STAGES)
     lacking = ["--without", "refraction", "--without", "curvature", "--without", "settings"]
     done = run.invoke(main, ["simulate", "rheidt-1980", "--seed", "1", "--raw", *lacking, "-o", raw])
     assert done.exit_code == 0, done.output

@@ -8,6 +8,7 @@ from matplotlib.patches import StepPatch
 from studies import figures
 from studies.comparison.block_views import PointErrors
 from studies.figures.canvas import BLUE, VERMILION, new_figure
+from studies.figures.trials import MOST_INTERVALS
 
 T = 1.96
 
@@ -35,7 +36,7 @@ def test_zip_thins_out_many_trials_and_counts_them_all(axes):
     error = np.linspace(-3.0, 3.0, 2001)
     figures.zip_plot(axes, error, np.ones(2001), T)
     drawn = len(segments(axes, BLUE)) + len(segments(axes, VERMILION))
-    assert drawn == figures.MOST_INTERVALS
+    assert drawn == MOST_INTERVALS
     assert f"covered: {100 * np.mean(np.abs(error) <= T):.1f} %" in axes.get_xlabel()
 
 

@@ -33,7 +33,8 @@ def test_a_port_that_is_taken_is_a_failure():
 
 
 def test_the_help_imports_nothing_heavy():
-    code = "import sys; from studies.commands import main; main(['teach', '-h'], standalone_mode=False); print(*sys.modules)"
+    code = "from studies.commands import main; main(['teach', '-h'], standalone_mode=False)"
+    code = f"import sys; {code}; print(*sys.modules)"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60, check=True)
     assert "127.0.0.1" in done.stdout
     assert not set(HEAVY) & set(done.stdout.splitlines()[-1].split())
