@@ -15,7 +15,7 @@ INSTALLED := $(VENV)/.installed
 PEERS := $(VENV)/.peers
 
 .DEFAULT_GOAL := help
-.PHONY: help install test test-slow test-lowest check docs docs-figures reproduce gallery bench bench-studies bench-chain bench-quality
+.PHONY: help install test test-slow test-lowest check docs docs-figures reproduce gallery house bench bench-studies bench-chain bench-quality
 
 help: ## show this list
 	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/make \1\t\2/p' $(MAKEFILE_LIST) | expand -t 16
@@ -71,8 +71,11 @@ reproduce: $(INSTALLED) ## repeat the experiment of Mauelshagen 1980 into result
 	$(BIN)/simfield reproduce mauelshagen-1980
 	$(BIN)/simfield report results/mauelshagen-1980
 
-gallery: $(INSTALLED) ## draw every kind of figure into docs/gallery
+gallery: $(INSTALLED) ## draw every kind of figure into docs/gallery, and the picture of the front page
 	$(BIN)/python -m studies.gallery docs
+
+house: $(INSTALLED) ## draw the rooms as they stand: docs/house.md and its picture
+	$(BIN)/python -m tests.draw_house
 
 # Other solvers are needed for comparison only.
 $(PEERS): $(INSTALLED)

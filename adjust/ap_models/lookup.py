@@ -5,51 +5,31 @@ from __future__ import annotations
 import dataclasses
 from typing import Any
 
-from adjust.ap_models.catalogue import (
-    Brown14,
-    Brown1971,
-    Brown1976,
-    Chebyshev,
-    Ebner12,
-    ElHakimFaig11,
-    Fourier,
-    Gruen12,
-    Gruen44,
-    Jacobsen12,
-    KoelblJuhl9,
-    Legendre,
-    Mauelshagen14,
-    NoModel,
-    Optical,
-    SalmenperaKilpela7,
-    Schut14,
-    Torlegard,
-    Zernike,
-)
+from adjust.ap_models import catalogue
 from adjust.ap_models.model import ApModel, Certainty
 from adjust.ap_models.own import own_model
 from simfield.block import nearest
 
 MODELS: tuple[type[ApModel], ...] = (
-    NoModel,
-    Optical,
-    Torlegard,
-    Brown14,
-    Ebner12,
-    ElHakimFaig11,
-    Gruen12,
-    KoelblJuhl9,
-    Mauelshagen14,
-    Schut14,
-    SalmenperaKilpela7,
-    Gruen44,
-    Brown1971,
-    Brown1976,
-    Jacobsen12,
-    Legendre,
-    Fourier,
-    Chebyshev,
-    Zernike,
+    catalogue.NoModel,
+    catalogue.Optical,
+    catalogue.Torlegard,
+    catalogue.Brown14,
+    catalogue.Ebner12,
+    catalogue.ElHakimFaig11,
+    catalogue.Gruen12,
+    catalogue.KoelblJuhl9,
+    catalogue.Mauelshagen14,
+    catalogue.Schut14,
+    catalogue.SalmenperaKilpela7,
+    catalogue.Gruen44,
+    catalogue.Brown1971,
+    catalogue.Brown1976,
+    catalogue.Jacobsen12,
+    catalogue.Legendre,
+    catalogue.Fourier,
+    catalogue.Chebyshev,
+    catalogue.Zernike,
 )
 
 

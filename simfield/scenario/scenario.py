@@ -7,7 +7,7 @@ from dataclasses import dataclass, field as dataclass_field
 from typing import Annotated, Literal
 
 from simfield.disturbances import EffectOn, FilmVariation, Noise, OneOf
-from simfield.world import CameraModel, Control, Field, Flight, Measurement, Quincunx, RegularGrid, plan_flights
+from simfield.world import FIELDS, CameraModel, Control, Field, Flight, Measurement, plan_flights
 
 
 class ScenarioError(ValueError):
@@ -36,7 +36,7 @@ class Scenario:
     """
 
     name: str
-    field: Annotated[Field, OneOf(Quincunx, RegularGrid)]
+    field: Annotated[Field, OneOf(*FIELDS)]
     cameras: tuple[CameraModel, ...]
     flights: tuple[Flight, ...]
     control: Control = dataclass_field(default_factory=Control)

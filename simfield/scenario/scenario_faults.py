@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING, Any
 from simfield.block import nearest, shown
 from simfield.disturbances import EFFECTS, EffectOn, FilmVariation, Noise, by_kind
 from simfield.scenario.scenario import Scenario, StartValues
-from simfield.world import CameraModel, Control, Flight, Measurement, PointCount, Quincunx, RegularGrid, Relief
+from simfield.world import FIELDS, CameraModel, Control, Flight, Measurement, PointCount, Relief
 
 if TYPE_CHECKING:
     from pydantic_core import ErrorDetails
 
-KINDS = by_kind((Quincunx, RegularGrid, *EFFECTS))
+KINDS = by_kind((*FIELDS, *EFFECTS))
 
 TABLES: Mapping[str, type[Any]] = {
     "cameras": CameraModel,

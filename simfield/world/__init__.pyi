@@ -1,5 +1,6 @@
 from .cameras import RC8R as RC8R, RMK_AR as RMK_AR, SWW as SWW, WW as WW, CameraModel as CameraModel
 from .fields import (
+    FIELDS as FIELDS,
     Control as Control,
     Field as Field,
     FieldPoints as FieldPoints,

@@ -135,6 +135,8 @@ class RegularGrid:
 
 
 Field = Quincunx | RegularGrid
+FIELDS = (Quincunx, RegularGrid)
+"""the kinds that a scenario may name"""
 
 
 @dataclass(frozen=True)

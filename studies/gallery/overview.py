@@ -41,8 +41,9 @@ def overview(example: Example) -> Figure:
         "3  the adjustment is blind",
         "4  a study asks thousands",
     )
-    for axes, title in zip((plan, image, curve, errors), titles, strict=True):
-        axes.set_title(title, loc="left", fontweight="bold")
+    figure.get_layout_engine().set(rect=(0.004, 0.0, 0.988, 0.9))  # type: ignore[union-attr, call-arg]
+    for left, title in zip((0.035, 0.275, 0.485, 0.765), titles, strict=True):
+        figure.text(left, 0.93, title, fontweight="bold")
     return figure
 
 

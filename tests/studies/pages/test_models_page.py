@@ -89,7 +89,5 @@ def test_a_set_without_parameters_has_nothing_to_draw(tmp_path: Path):
 
 
 def test_texts_do_not_load_matplotlib():
-    code = (
-        "import sys; from studies.pages import models_page as m; m.table(); sys.exit('matplotlib' in sys.modules)"
-    )
+    code = "import sys; from studies.pages import models_page as m; m.table(); sys.exit('matplotlib' in sys.modules)"
     assert run([sys.executable, "-c", code], check=False).returncode == 0
