@@ -21,7 +21,7 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from adjust import adjust_replicates, ap_models
-from adjust.reductions import Plan, reduce
+from adjust.reductions import ReductionPlan, reduce
 from benchmarks.machine import description
 from benchmarks.timing import summary
 from simfield import World, build_world, presets
@@ -41,18 +41,18 @@ def draws_of(world: World, trials: int) -> dict[str, Any]:
     psk = chains["psk-1969"]
     marks = Marks("both", reseau_spacing_mm=25.0, calibration_um=1.0)
 
-    def measured(chain: Chain, plan: Plan) -> MeasuredTrials:
+    def measured(chain: Chain, plan: ReductionPlan) -> MeasuredTrials:
         return MeasuredTrials(prepare(world, chain), plan, 0, trials)
 
     plain = replace(world.scenario, film=())
     return {
         "plain noise": build_world(plain, SEED).draws(0, trials),
         "noise and film": world.draws(0, trials),
-        "psk-1969": measured(psk, Plan("helmert")),
-        "psk-1969, affine": measured(psk, Plan("affine")),
-        "psk-1969, errors": measured(replace(psk, errors=WITH_ERRORS), Plan("affine")),
-        "eight marks, projective": measured(replace(psk, marks=Marks("both")), Plan("projective")),
-        "reseau of 81 crosses": measured(replace(psk, marks=marks), Plan("bilinear", reseau_degree=3)),
+        "psk-1969": measured(psk, ReductionPlan("helmert")),
+        "psk-1969, affine": measured(psk, ReductionPlan("affine")),
+        "psk-1969, errors": measured(replace(psk, errors=WITH_ERRORS), ReductionPlan("affine")),
+        "eight marks, projective": measured(replace(psk, marks=Marks("both")), ReductionPlan("projective")),
+        "reseau of 81 crosses": measured(replace(psk, marks=marks), ReductionPlan("bilinear", reseau_degree=3)),
     }
 
 
@@ -60,7 +60,7 @@ def measure(rounds: int, trials: int, clock: Callable[[], float] = time.process_
     """Milliseconds a trial, of drawing alone and of drawing and adjusting, by name."""
     world = build_world(presets[SCENARIO], SEED)
     draws, model = draws_of(world, trials), ap_models.get(MODEL)
-    block = reduce(prepare(world, chains["psk-1969"]).measure(0), Plan("affine")).block
+    block = reduce(prepare(world, chains["psk-1969"]).measure(0), ReductionPlan("affine")).block
     lanes = np.empty((TOGETHER // 8, len(world.image), 2, 8))
     seconds: dict[str, dict[str, list[float]]] = {name: {"drawn": [], "adjusted": []} for name in draws}
     for turn in range(rounds + 1):

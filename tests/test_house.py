@@ -186,3 +186,13 @@ def test_no_file_is_too_long(house: House) -> None:
     assert {path: n for path, n in lines.items() if n > MOST_LINES} == {}
     without_reason = [p for p, n in lines.items() if n > MANY_LINES and not REASON.search(house.texts[p][:400])]
     assert without_reason == []
+
+
+def test_one_name_means_one_thing(house: House) -> None:
+    """No two files define a class of the same name; a private one counts as well."""
+    places: dict[str, set[str]] = {}
+    for path, tree in house.files.items():
+        for node in ast.walk(tree):
+            if isinstance(node, ast.ClassDef):
+                places.setdefault(node.name, set()).add(path)
+    assert {name: paths for name, paths in places.items() if len(paths) > 1} == {}

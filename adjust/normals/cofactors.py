@@ -14,7 +14,7 @@ import scipy.linalg
 from adjust.model import Unknowns
 from adjust.normals.band import BandFactor
 from adjust.normals.band_inverse_compiled import band_cofactors
-from adjust.normals.normals import Factor
+from adjust.normals.normals import FactorisedNormals
 from simfield.block import Floats, Indices
 from simfield.numerics import one_thread
 
@@ -27,7 +27,7 @@ class Cofactors:
     """The cofactor matrix of all unknowns, computed where it is asked for."""
 
     unknowns: Unknowns
-    factor: Factor | BandFactor
+    factor: FactorisedNormals | BandFactor
 
     @cached_property
     def orientation(self) -> Floats:
@@ -80,7 +80,7 @@ class Cofactors:
         return np.asarray(q)
 
 
-def _dense_cofactors(factor: Factor) -> tuple[Floats, Floats]:
+def _dense_cofactors(factor: FactorisedNormals) -> tuple[Floats, Floats]:
     """The diagonal of Q_ee (E) and the blocks (n, 3, 3) of Q_pp, by L^-1 alone: half the work of S^-1.
 
     With S^-1 = D L^-T L^-1 D and X = L^-1 D white^T:  q_ii = d_i^2 |column i of L^-1|^2,  Q_pp = R^T (I + X^T X) R.

@@ -113,12 +113,12 @@ class Plain:
     def gradient(self, x: Floats) -> Normals:
         return assemble(self.observations, x)
 
-    def factorise(self, normals: Normals, condition_least: float = CONDITION_LEAST) -> Factor:
+    def factorise(self, normals: Normals, condition_least: float = CONDITION_LEAST) -> FactorisedNormals:
         return factorise(normals, condition_least)
 
 
 @dataclass(frozen=True, eq=False)
-class Factor:
+class FactorisedNormals:
     """Factorised normal equations.
 
     lower (E, E) is the Cholesky factor of the scaled S, so that S^-1 = D (lower lower^T)^-1 D with D = diag(scale);
@@ -154,7 +154,7 @@ class Factor:
         return np.concatenate([step_e, step_p.ravel()]), max(decrement, 0.0) ** 0.5
 
 
-def factorise(normals: Normals, condition_least: float = CONDITION_LEAST) -> Factor:
+def factorise(normals: Normals, condition_least: float = CONDITION_LEAST) -> FactorisedNormals:
     """Eliminate the points and factorise. Raises SingularError with the scaled matrix that is singular."""
     root = _root_of_point_blocks(normals.pp, normals.ee.shape[0])
     white = root @ normals.pe
@@ -168,7 +168,7 @@ def factorise(normals: Normals, condition_least: float = CONDITION_LEAST) -> Fac
     condition = reciprocal_condition(lower, scaled) if info == 0 else 0.0
     if condition < condition_least:
         raise SingularError(scaled, scale, slice(0, len(scale)))
-    return Factor(scale, lower, root, white, condition)
+    return FactorisedNormals(scale, lower, root, white, condition)
 
 
 def reciprocal_condition(lower: Floats, matrix: Floats) -> float:

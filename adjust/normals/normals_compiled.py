@@ -20,7 +20,13 @@ import scipy.sparse
 from adjust.model import rotation_matrices
 from adjust.normals import loops_compiled as loops
 from adjust.normals.band import BandFactor, SingularBandError, banded
-from adjust.normals.normals import CONDITION_LEAST, DETERMINANT_LEAST, Factor, SingularError, reciprocal_condition
+from adjust.normals.normals import (
+    CONDITION_LEAST,
+    DETERMINANT_LEAST,
+    FactorisedNormals,
+    SingularError,
+    reciprocal_condition,
+)
 from adjust.normals.ordering import BLAS_RATE, Ordering
 from adjust.observations import Observations, group as further
 from simfield.block import Floats, Indices
@@ -176,7 +182,9 @@ class Compiled:
             pp[fixed_point, fixed_axis, fixed_axis] = 1.0
         return float(np.sum(control.weight * v**2))
 
-    def factorise(self, normals: CompiledNormals, condition_least: float = CONDITION_LEAST) -> Factor | BandFactor:
+    def factorise(
+        self, normals: CompiledNormals, condition_least: float = CONDITION_LEAST
+    ) -> FactorisedNormals | BandFactor:
         """Eliminate the points and factorise. Raises SingularError."""
         g = self.observations.image_points
         size = g.unknowns.orientation
@@ -211,7 +219,7 @@ class Compiled:
 
     def _dense(
         self, normals: CompiledNormals, root: Floats, white: Floats, white_a: Floats, condition_least: float
-    ) -> Factor:
+    ) -> FactorisedNormals:
         g = self.observations.image_points
         m, _, n, _ = self.widths
         size = g.unknowns.orientation
@@ -236,4 +244,4 @@ class Compiled:
         if condition < condition_least:
             full = np.tril(reduced) + np.tril(reduced, -1).T
             raise SingularError(full, scale, slice(0, size))
-        return Factor(scale, lower, root, dense.reshape(n, 3, size), condition)
+        return FactorisedNormals(scale, lower, root, dense.reshape(n, 3, size), condition)

@@ -20,7 +20,7 @@ import scipy.linalg
 
 from adjust.adjustment import Adjustment
 from adjust.model import POINT_NAMES
-from adjust.normals import Factor, Plain
+from adjust.normals import FactorisedNormals, Plain
 from adjust.observations import Observations
 from simfield.block import Floats, Indices
 
@@ -54,7 +54,7 @@ class Influence:
     """
 
     adjustment: Adjustment
-    factor: Factor
+    factor: FactorisedNormals
     rows: Rows
     t: Floats
     b: Floats
@@ -192,7 +192,7 @@ def _subtract_hanging(reduced: Floats, right: Floats, point: Indices, white: Flo
         reduced[rows] -= right[rows] @ white[p]
 
 
-def _dense_factor(a: Adjustment) -> Factor:
+def _dense_factor(a: Adjustment) -> FactorisedNormals:
     """The factorised normal equations with a dense reduced matrix, also where the adjustment needed only a band."""
     factor = a.cofactors.factor
-    return factor if isinstance(factor, Factor) else Plain(a.groups).factorise(Plain(a.groups).at(a.x))
+    return factor if isinstance(factor, FactorisedNormals) else Plain(a.groups).factorise(Plain(a.groups).at(a.x))

@@ -28,8 +28,8 @@ from .reduce_compiled import (
 from .reduced_points import Reduced as Reduced
 from .reduction import (
     REDUCTIONS as REDUCTIONS,
-    Plan as Plan,
     ReducedBlock as ReducedBlock,
+    ReductionPlan as ReductionPlan,
     marks_of as marks_of,
     reduce as reduce,
     through_lens_and_air as through_lens_and_air,

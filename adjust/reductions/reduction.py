@@ -15,7 +15,7 @@ from simfield.block import Block, Floats, ImageObservations, Indices, Raw
 
 
 @dataclass(frozen=True)
-class Plan:
+class ReductionPlan:
     """The reductions that are applied, in this order: double measurement, drift, comparator, inner orientation,
     reseau (by a polynomial of a degree, None: not), lens certificate, refraction, earth curvature.
     """
@@ -30,7 +30,7 @@ class Plan:
     curvature: bool = True
 
 
-REDUCTIONS = tuple(f.name for f in fields(Plan) if f.default is True)
+REDUCTIONS = tuple(f.name for f in fields(ReductionPlan) if f.default is True)
 """the reductions that can be left out"""
 
 
@@ -49,9 +49,9 @@ class ReducedBlock:
         return {name: 1000.0 * float(np.sqrt(np.mean(d**2))) for name, d in self.removed.items()}
 
 
-def reduce(raw: Raw, plan: Plan | None = None) -> ReducedBlock:
+def reduce(raw: Raw, plan: ReductionPlan | None = None) -> ReducedBlock:
     """Turn machine coordinates into image coordinates. Raises ValueError where the marks do not suffice."""
-    plan = Plan() if plan is None else plan
+    plan = ReductionPlan() if plan is None else plan
     b, o = raw.block, raw.block.observations
     double = reductions.double_measurement(raw.settings, plan.threshold_um)
     marks = reductions.double_measurement(raw.mark_settings, plan.threshold_um).mean
@@ -80,7 +80,7 @@ def reduce(raw: Raw, plan: Plan | None = None) -> ReducedBlock:
     return ReducedBlock(Block(b.cameras, b.images, b.points, observations), double, inner, removed)
 
 
-def _inner(raw: Raw, plan: Plan, marks: Floats, xy: Floats) -> tuple[InnerOrientation, Floats, Reduced]:
+def _inner(raw: Raw, plan: ReductionPlan, marks: Floats, xy: Floats) -> tuple[InnerOrientation, Floats, Reduced]:
     """The inner orientation, all marks in the image frame, and the points."""
     is_fiducial = np.array([kind == "fiducial" for kind in raw.mark_kinds])[raw.mark]
     image = raw.mark_image[is_fiducial]
@@ -90,7 +90,9 @@ def _inner(raw: Raw, plan: Plan, marks: Floats, xy: Floats) -> tuple[InnerOrient
     return found, found.apply(marks, raw.mark_image).xy, found.apply(xy, raw.block.observations.image)
 
 
-def through_lens_and_air(raw: Raw, plan: Plan, xy: Floats, image: Indices, removed: dict[str, Floats]) -> Floats:
+def through_lens_and_air(
+    raw: Raw, plan: ReductionPlan, xy: Floats, image: Indices, removed: dict[str, Floats]
+) -> Floats:
     """(k, 2): points xy (k, 2) in the images (k) without lens errors, refraction and curvature, as the plan says."""
     b = raw.block
     if plan.lens and raw.certificates:

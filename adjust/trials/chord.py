@@ -24,7 +24,7 @@ from adjust.solution import solve
 from adjust.status import Status
 from adjust.trials import gradient_compiled as kernels, lane_copies_compiled as lane_copies
 from adjust.trials.gradient_compiled import TILES
-from adjust.trials.solved import CHORD, GAUSS_NEWTON, STATUSES, Trials
+from adjust.trials.solved import CHORD, GAUSS_NEWTON, STATUSES, SolvedTrials
 from adjust.trials.traced_terms import UntraceableError, compile_gradient
 from adjust.trials.workspace import Workspace
 from simfield.block import Block, Floats, ImageObservations, Points
@@ -96,7 +96,7 @@ class Chord:
         return g.starts.astype(np.uint64), g.point, g.weight, g.interior
 
     def solve(
-        self, image_points: Any, coordinates: Floats | None, trials: slice, room: Workspace, solved: Trials
+        self, image_points: Any, coordinates: Floats | None, trials: slice, room: Workspace, solved: SolvedTrials
     ) -> None:
         """Solve at most TOGETHER trials of image_points (t, k, 2) and coordinates (t, n, 3; None: those of the block).
 
@@ -225,7 +225,7 @@ class Chord:
         block = Block(b.cameras, b.images, points, ImageObservations(o.image, o.point, xy, o.sigma))
         return Observations.of(block, layout), (points.coordinates - layout.origin).ravel()
 
-    def _finish(self, trials: Trials, trial: int, groups: Observations, reduced: Floats) -> None:
+    def _finish(self, trials: SolvedTrials, trial: int, groups: Observations, reduced: Floats) -> None:
         """Solve one trial by full Gauss-Newton, from the nominal estimate, and write it into `trials`."""
         layout = self.nominal.layout
         start, fixed = self.nominal.x.copy(), layout.block.points.fixed.ravel()

@@ -22,7 +22,7 @@ from adjust.adjustment import Adjustment
 from adjust.ap_models import ApModel
 from adjust.status import Status
 from adjust.trials.chord import Chord
-from adjust.trials.solved import GAUSS_NEWTON, STATUSES, Trials
+from adjust.trials.solved import GAUSS_NEWTON, STATUSES, SolvedTrials
 from adjust.trials.workspace import Workspace
 from simfield.block import Block, Floats
 from simfield.numerics import TOGETHER, Arena, one_thread
@@ -52,7 +52,7 @@ class Replicates:
     """
 
     nominal: Adjustment
-    trials: Trials
+    trials: SolvedTrials
 
     def __len__(self) -> int:
         return len(self.trials.x)
@@ -177,12 +177,12 @@ def adjust_prepared(
     _check_shapes(chord.nominal.block, image_points, coordinates)
     tasks = [slice(first, min(first + TASK, count)) for first in range(0, count, TASK)]
     if jobs == 1 or len(tasks) <= 1:
-        trials = Trials.empty(count, len(chord.nominal.x), chord.exact_std)
+        trials = SolvedTrials.empty(count, len(chord.nominal.x), chord.exact_std)
         room = _workspace(chord, image_points, arena)
         for task in tasks:
             _solve(chord, image_points, coordinates, task, room, trials.part(task))
     else:
-        trials = Trials.joined(
+        trials = SolvedTrials.joined(
             joblib.Parallel(n_jobs=jobs)(
                 joblib.delayed(_solved)(chord, *_portion(image_points, coordinates, task)) for task in tasks
             )
@@ -211,9 +211,9 @@ def _portion(
     return image_points, coordinates, task
 
 
-def _solved(chord: Chord, image_points: ImagePointTrials, coordinates: Floats | None, task: slice) -> Trials:
+def _solved(chord: Chord, image_points: ImagePointTrials, coordinates: Floats | None, task: slice) -> SolvedTrials:
     """Some trials, in another process."""
-    trials = Trials.empty(task.stop - task.start, len(chord.nominal.x), chord.exact_std)
+    trials = SolvedTrials.empty(task.stop - task.start, len(chord.nominal.x), chord.exact_std)
     _solve(chord, image_points, coordinates, task, _workspace(chord, image_points), trials)
     return trials
 
@@ -230,7 +230,7 @@ def _solve(
     coordinates: Floats | None,
     task: slice,
     room: Workspace,
-    trials: Trials,
+    trials: SolvedTrials,
 ) -> None:
     """Solve some trials in blocks of TOGETHER, into `trials`."""
     with one_thread():

@@ -4,7 +4,7 @@ from .lens import Lens as Lens, RadialCertificate as RadialCertificate
 from .measure import (
     FILM as FILM,
     Chain as Chain,
-    Prepared as Prepared,
+    PreparedChain as PreparedChain,
     prepare as prepare,
     share_of_words as share_of_words,
 )

@@ -44,7 +44,7 @@ class Chain:
 
 
 @dataclass(frozen=True, eq=False)
-class Prepared:
+class PreparedChain:
     """A chain over a world: places of all settings on the exposed film, first the k points, then the marks.
 
     exposed (n, 2) mm before the film deforms; image (n); owner of the film by name; time (n) from 0 to 1 in the
@@ -181,7 +181,9 @@ class Prepared:
         return first, second
 
 
-def _written_down(prepared: Prepared, settings: Floats, kept: npt.NDArray[np.bool_], point: Indices, trial: int) -> Raw:
+def _written_down(
+    prepared: PreparedChain, settings: Floats, kept: npt.NDArray[np.bool_], point: Indices, trial: int
+) -> Raw:
     """The measured file of a trial: kept (k) what was measured, point (k) under which name."""
     world, chain, k = prepared.world, prepared.chain, prepared.count
     block = world.block(world.distorted, trial)
@@ -215,7 +217,7 @@ def _written_down(prepared: Prepared, settings: Floats, kept: npt.NDArray[np.boo
     )
 
 
-def calibrated_marks(world: World, prepared: Prepared, camera_id: str) -> Floats:
+def calibrated_marks(world: World, prepared: PreparedChain, camera_id: str) -> Floats:
     """(M, 2) mm: the positions of a camera's marks as its certificate gives them."""
     marks = prepared.chain.marks
     true = np.concatenate([marks.fiducial_positions(), marks.reseau_positions()])
@@ -228,7 +230,7 @@ def share_of_words(rate: float) -> int:
     return round(rate * 2.0**32)
 
 
-def prepare(world: World, chain: Chain) -> Prepared:
+def prepare(world: World, chain: Chain) -> PreparedChain:
     """Everything about a chain over a world that all trials share."""
     marks = np.concatenate([chain.marks.fiducial_positions(), chain.marks.reseau_positions()])
     fiducials, m = len(chain.marks.fiducial_positions()), len(world.plan)
@@ -249,7 +251,7 @@ def prepare(world: World, chain: Chain) -> Prepared:
         owners = {"image": plan.image_ids, "flight": plan.flight_ids, "camera": plan.camera_ids}
         names = owners[chain.film_field.per]
         field = field_at(chain.film_field, exposed, tuple(names[i] for i in image.tolist()), REACH_MM, world.seed)
-    return Prepared(
+    return PreparedChain(
         world,
         chain,
         exposed,

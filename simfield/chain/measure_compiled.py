@@ -1,9 +1,9 @@
 """The chain for some tiles of trials, in lanes: from the exposed film onto the comparator, image by image.
 
-The readable form is `simfield.chain.measure.Prepared.measure`, whose numbers these are, but for rounding; of two
+The readable form is `simfield.chain.measure.PreparedChain.measure`, whose numbers these are, but for rounding; of two
 settings it gives the mean. The arithmetic of a trial does not depend on its neighbours.
 
-Readable form: `simfield.chain.measure.Prepared`. Agreement: `tests/agreement/test_measured_trials.py`.
+Readable form: `simfield.chain.measure.PreparedChain`. Agreement: `tests/agreement/test_measured_trials.py`.
 """
 
 from __future__ import annotations

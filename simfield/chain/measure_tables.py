@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from simfield.block import Floats, Indices
-from simfield.chain.measure import KINDS, Prepared, share_of_words
+from simfield.chain.measure import KINDS, PreparedChain, share_of_words
 from simfield.disturbances import FilmTable, measured_from_ideal, refuse_steep, second_order
 from simfield.random import counter_key
 
@@ -53,7 +53,7 @@ class Session(NamedTuple):
     size_key: Any
 
 
-def tables(prepared: Prepared, rows: Indices) -> tuple[Places, Places, Session]:
+def tables(prepared: PreparedChain, rows: Indices) -> tuple[Places, Places, Session]:
     """Of the image points `rows`, which are sorted by image, of all marks, and of the session."""
     world, k, m = prepared.world, prepared.count, len(prepared.world.plan)
     on_film = measured_from_ideal(prepared.exposed, prepared.constant_film)
@@ -73,7 +73,7 @@ def tables(prepared: Prepared, rows: Indices) -> tuple[Places, Places, Session]:
     return kinds[0], kinds[1], _session(prepared, on_film, local)
 
 
-def _session(prepared: Prepared, on_film: Floats, local: Floats) -> Session:
+def _session(prepared: PreparedChain, on_film: Floats, local: Floats) -> Session:
     world, chain, m = prepared.world, prepared.chain, len(prepared.world.plan)
     table, machine, field, errors = (
         FilmTable.of(world.scenario.film, world.plan, world.seed),

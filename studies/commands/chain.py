@@ -13,7 +13,7 @@ from studies.commands.arguments import EXISTING, FOLDER
 from studies.commands.late_choice import LateChoice
 
 if TYPE_CHECKING:
-    from adjust.reductions import Plan, ReducedBlock
+    from adjust.reductions import ReducedBlock, ReductionPlan
 
 
 def reduction_names() -> tuple[str, ...]:
@@ -49,7 +49,7 @@ def reduce(raw: Path, folder: Path, inner: str, reseau: int | None, without: tup
     from simfield.files import BlockFolderError, read_raw, write_block
 
     wanted = {name: name not in without for name in reductions.REDUCTIONS}
-    plan = reductions.Plan(inner=inner, threshold_um=threshold, reseau_degree=reseau, **wanted)  # type: ignore[arg-type]
+    plan = reductions.ReductionPlan(inner=inner, threshold_um=threshold, reseau_degree=reseau, **wanted)  # type: ignore[arg-type]
     try:
         done = reductions.reduce(read_raw(raw), plan)
         write_block(done.block, folder)
@@ -74,7 +74,7 @@ def budget(out: Path, trials: int, seed: int) -> None:
         raise click.ClickException(str(error)) from error
 
 
-def _removed(folder: Path, done: ReducedBlock, plan: Plan) -> Iterator[str]:
+def _removed(folder: Path, done: ReducedBlock, plan: ReductionPlan) -> Iterator[str]:
     """What was removed, in a few lines."""
     yield f"{folder}: {len(done.block.images)} images, {len(done.block.observations)} image points"
     for name, value in done.rms_um.items():

@@ -35,10 +35,12 @@ def reproduce(what: str, out: Path | None, trials: int, jobs: int | None, seed: 
     else:
         from studies.experiments import mauelshagen_1980 as experiment  # type: ignore[no-redef]
 
+    from studies.experiments import ReproductionError
+
     folder = out if out is not None else Path("results") / (f"{what}-{world}" if world else what)
     try:
         done = experiment.reproduce(folder, trials=trials, jobs=jobs, seed=seed)
-    except experiment.ReproductionError as error:
+    except ReproductionError as error:
         raise Failure(str(error)) from error
     except OSError as error:
         raise Failure(f"{error.filename or folder}: cannot be written: {error.strerror}") from error

@@ -1,11 +1,11 @@
-from . import block_views as block_views, distortion as distortion, measures as measures
+from . import block_views as block_views, distortion_found as distortion_found, measures as measures
 from .block_views import (
     PointErrors as PointErrors,
     ap_exterior_correlations as ap_exterior_correlations,
     mean_residuals as mean_residuals,
     point_errors as point_errors,
 )
-from .distortion import (
+from .distortion_found import (
     DecenteringFields as DecenteringFields,
     RadialCurve as RadialCurve,
     VectorField as VectorField,

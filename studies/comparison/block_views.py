@@ -10,7 +10,7 @@ import numpy.typing as npt
 from adjust import Adjustment
 from adjust.model import rotation_matrices
 from simfield.block import Block, Floats, Indices
-from studies.comparison.distortion import VectorField
+from studies.comparison.distortion_found import VectorField
 
 
 def footprints(block: Block, ground_m: float | None = None) -> Floats:

@@ -58,7 +58,7 @@ MANY_FORMATS = {
 
 
 @dataclass(frozen=True, eq=False)
-class Findings:
+class DetectionFindings:
     """one: a row a level and size; many: a row a share and method; and what was adjusted."""
 
     block: Block
@@ -71,7 +71,7 @@ OLDER = ("report.html",)
 """what `simfield report` made of older results"""
 
 
-def find(block: Block, model: ApModel, trials: int, contests: int, seed: int) -> Findings:
+def find(block: Block, model: ApModel, trials: int, contests: int, seed: int) -> DetectionFindings:
     """One error at a time at two levels, the errors the same at both, and many at once. Raises ValueError for a block
     that cannot be adjusted.
     """
@@ -87,7 +87,9 @@ def find(block: Block, model: ApModel, trials: int, contests: int, seed: int) ->
             table.insert(0, "share", share)
             many.append(table)
             bar.update()
-    return Findings(block, model, _ordered(pd.concat(one, ignore_index=True)), pd.concat(many, ignore_index=True))
+    return DetectionFindings(
+        block, model, _ordered(pd.concat(one, ignore_index=True)), pd.concat(many, ignore_index=True)
+    )
 
 
 def write(folder: Path, block: Block, model: ApModel, trials: int, contests: int, seed: int, source: str) -> list[Path]:
@@ -157,7 +159,7 @@ def draw_many(axes: Axes, many: pd.DataFrame) -> None:
     axes.legend(loc="upper left")
 
 
-def page(found: Findings, command: str, trials: int, contests: int) -> str:
+def page(found: DetectionFindings, command: str, trials: int, contests: int) -> str:
     """The report in Markdown."""
     power, alarms = worst_deviation(found.one)
     within = max(power, alarms) <= STANDARD_ERRORS

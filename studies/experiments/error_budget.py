@@ -11,10 +11,10 @@ import numpy as np
 import pandas as pd
 
 from adjust import ApModel, adjust_replicates
-from adjust.reductions import Plan, reduce
+from adjust.reductions import ReductionPlan, reduce
 from simfield import World, build_world
 from simfield.block import Block, Floats, ImageObservations
-from simfield.chain import FILM, Air, Chain, Comparator, Errors, Prepared, prepare
+from simfield.chain import FILM, Air, Chain, Comparator, Errors, PreparedChain, prepare
 from simfield.disturbances import Noise
 from simfield.scenario import Scenario
 from studies.summary import performance
@@ -33,7 +33,7 @@ class Budget:
 
     scenario: Scenario
     chain: Chain
-    plan: Plan
+    plan: ReductionPlan
     model: ApModel
 
 
@@ -92,7 +92,7 @@ def _is_film(effect: object) -> bool:
     return isinstance(effect, FILM)
 
 
-def _fitting(plan: Plan, chain: Chain) -> Plan:
+def _fitting(plan: ReductionPlan, chain: Chain) -> ReductionPlan:
     """The plan without the reductions of what the chain does not have: they would put in what was never there."""
     return replace(
         plan,
@@ -103,7 +103,7 @@ def _fitting(plan: Plan, chain: Chain) -> Plan:
     )
 
 
-def _measured(prepared: Prepared, plan: Plan, model: ApModel, trials: int) -> dict[str, float]:
+def _measured(prepared: PreparedChain, plan: ReductionPlan, model: ApModel, trials: int) -> dict[str, float]:
     world = prepared.world
     machine = MeasuredTrials(prepared, None, 0, trials)
     reduced = MeasuredTrials(prepared, plan, 0, trials)

@@ -11,7 +11,7 @@ import numpy as np
 import pandas as pd
 
 from adjust import ap_models
-from adjust.reductions import Plan
+from adjust.reductions import ReductionPlan
 from simfield import presets
 from simfield.chain import chains
 from simfield.files import make_folder, whole_folder
@@ -46,7 +46,7 @@ def write(folder: Path, trials: int, seed: int) -> list[Path]:
     """Compute the budget of 1980 (Helmert transformation on the fiducials, model brown14) and write it; the files."""
     started = time.monotonic()
     make_folder(folder)
-    budget = Budget(presets[SCENARIO], chains[CHAIN], Plan("helmert"), ap_models.get(MODEL))
+    budget = Budget(presets[SCENARIO], chains[CHAIN], ReductionPlan("helmert"), ap_models.get(MODEL))
     with progress_bar(STAGES, "stages of the chain") as bar:
         found = table(budget, trials, seed, bar.update)
     origin = provenance(command(trials, seed), {"trials": trials, "seed": seed}, time.monotonic() - started)

@@ -33,7 +33,7 @@ from .images import (
     true_radial_curve as true_radial_curve,
     vectors as vectors,
 )
-from .measures import (
+from .over_factors import (
     MANY_LABELS as MANY_LABELS,
     MOST_SERIES as MOST_SERIES,
     measure_over_factor as measure_over_factor,

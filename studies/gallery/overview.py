@@ -10,7 +10,7 @@ from scipy import stats
 
 from simfield.files import make_folder, write_whole
 from studies import figures
-from studies.comparison import block_views, distortion
+from studies.comparison import block_views, distortion_found
 from studies.gallery.pieces import CAMERA, MODEL, Example
 
 if TYPE_CHECKING:
@@ -66,7 +66,7 @@ def _image(axes: Axes, example: Example) -> None:
 
 
 def _curve(axes: Axes, example: Example) -> None:
-    figures.radial_curve(axes, distortion.radial_curve(example.full, CAMERA, example.truth), {})
+    figures.radial_curve(axes, distortion_found.radial_curve(example.full, CAMERA, example.truth), {})
 
 
 def _errors(axes: Axes, example: Example) -> None:

@@ -12,7 +12,7 @@ from simfield import Truth, World, build_world, presets
 from simfield.block import Block, Floats
 from simfield.scenario import changed
 from studies import figures
-from studies.comparison import CONFIDENCE, block_views, distortion
+from studies.comparison import CONFIDENCE, block_views, distortion_found
 from studies.experiments.mauelshagen_1980 import drawings, experiment, table1, trials
 from studies.figures import new_figure
 
@@ -90,13 +90,13 @@ def radii(example: Example) -> Figure:
 
 def curve(example: Example) -> Figure:
     figure = new_figure(110, 85)
-    others = {f"from {MODEL}": distortion.radial_curve(example.full, CAMERA, example.truth)}
-    figures.radial_curve(figure.subplots(), distortion.radial_curve(example.both, CAMERA, example.truth), others)
+    others = {f"from {MODEL}": distortion_found.radial_curve(example.full, CAMERA, example.truth)}
+    figures.radial_curve(figure.subplots(), distortion_found.radial_curve(example.both, CAMERA, example.truth), others)
     return figure
 
 
 def decentering(example: Example) -> Figure:
-    fields = distortion.decentering_fields(example.both, CAMERA, example.truth)
+    fields = distortion_found.decentering_fields(example.both, CAMERA, example.truth)
     figure = new_figure(110, 118)
     figures.vectors(figure.subplots(), fields.estimated, fields.true, 10.0)
     return figure

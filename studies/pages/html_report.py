@@ -18,7 +18,7 @@ from simfield.scenario import ScenarioError
 from studies.comparison import CONFIDENCE
 from studies.design import Plan, StudyError
 from studies.pages import study_page
-from studies.pages.study_drawings import FOLLOWED, Drawn, Trials, chosen_methods
+from studies.pages.study_drawings import FOLLOWED, Drawn, TrialErrors, chosen_methods
 from studies.pages.study_page import provenance_table
 from studies.session import versions
 from studies.store import DamageError, Store, StoreError, joined, read_json, study_of
@@ -73,7 +73,7 @@ def _plan(folder: Path) -> Plan:
         raise StoreError(f"{folder / 'manifest.json'}: damaged: {error}") from None
 
 
-def _with_trials(summed: Summary, plan: Plan, folder: Path) -> tuple[Summary, list[Trials]]:
+def _with_trials(summed: Summary, plan: Plan, folder: Path) -> tuple[Summary, list[TrialErrors]]:
     """The failures in words and the trials of the zip plots, if the shards are there; the summary must agree with them.
 
     Raises StoreError.
@@ -91,7 +91,7 @@ def _with_trials(summed: Summary, plan: Plan, folder: Path) -> tuple[Summary, li
     return Summary(summed.rows, summed.differences, computed.failures, computed.notes), list(_followed(plan, store))
 
 
-def _followed(plan: Plan, store: Store) -> Iterator[Trials]:
+def _followed(plan: Plan, store: Store) -> Iterator[TrialErrors]:
     """Trials of the first condition under the chosen methods."""
     first = plan.conditions[0]
     columns, nominal = joined(store, plan, first, trials_of(plan, store, first))
@@ -101,7 +101,7 @@ def _followed(plan: Plan, store: Store) -> Iterator[Trials]:
             at = cell.names.index(FOLLOWED)
             t = float(stdtrit(cell.constants["redundancy"], 0.5 + CONFIDENCE / 2.0))
             if np.all(cell.std[:, at] > 0.0):
-                yield Trials(method, cell.error[:, at], cell.std[:, at], t)
+                yield TrialErrors(method, cell.error[:, at], cell.std[:, at], t)
 
 
 def _of_pages(folder: Path) -> str:

@@ -106,7 +106,7 @@ def _properties(model: ApModel) -> list[str]:
 
 
 @dataclass(frozen=True, eq=False)
-class VectorField:
+class ParameterField:
     """One parameter's displacements over the format, scaled so that the largest is LARGEST_ARROW_UM."""
 
     name: str
@@ -118,17 +118,17 @@ class VectorField:
     dy_um: Floats
 
 
-def vector_fields(model: ApModel) -> list[VectorField]:
+def vector_fields(model: ApModel) -> list[ParameterField]:
     """The field of every parameter over the 23 cm format."""
     x, y = properties.grid(HALF_FORMAT_MM, ARROWS_A_SIDE)
     fields = []
     for name, term in zip(model.parameters, np.moveaxis(model.basis(x, y), 2, 0), strict=True):
         value = LARGEST_ARROW_UM / 1000 / float(np.max(np.hypot(*term.T)))
-        fields.append(VectorField(name, value, x, y, 1000 * value * term[:, 0], 1000 * value * term[:, 1]))
+        fields.append(ParameterField(name, value, x, y, 1000 * value * term[:, 0], 1000 * value * term[:, 1]))
     return fields
 
 
-def draw_on(axes: Axes, field: VectorField) -> None:
+def draw_on(axes: Axes, field: ParameterField) -> None:
     """One panel: the arrows of one parameter in the frame of the format."""
     spacing = 2 * HALF_FORMAT_MM / (ARROWS_A_SIDE - 1)
     arrows = (field.x_mm, field.y_mm, field.dx_um, field.dy_um)

@@ -52,7 +52,7 @@ class Drawn:
 
 
 @dataclass(frozen=True, eq=False)
-class Trials:
+class TrialErrors:
     """Errors and claimed standard errors (n) of one unknown under a method, and Student's t for its intervals."""
 
     method: str
@@ -192,12 +192,12 @@ def biases(summed: Summary, plan: Plan, condition: str) -> Iterator[Drawn]:
         yield _drawn(f"bias-{number}", f"Biases: {method}", said, 30.0 + 3.6 * len(usable), draw)
 
 
-def zips(trials: Sequence[Trials]) -> Iterator[Drawn]:
+def zips(trials: Sequence[TrialErrors]) -> Iterator[Drawn]:
     """A zip plot for each method."""
     for number, each in enumerate(trials):
         covered = 100.0 * float(np.mean(np.abs(each.error) <= each.t * each.std))
 
-        def draw(figure: Figure, e: Trials = each) -> None:
+        def draw(figure: Figure, e: TrialErrors = each) -> None:
             figures.zip_plot(figure.subplots(), e.error, e.std, e.t)
 
         said = f"Intervals of {len(each.error)} trials, the farthest from the truth on top; {covered:.1f} % cover it."

@@ -11,7 +11,7 @@ from typing import Any
 from studies.design import Plan, factor_named, factor_names, level_label, references
 from studies.pages import study_drawings, study_report
 from studies.pages.scenario_sheet import scenario_page
-from studies.pages.study_drawings import Drawn, Trials
+from studies.pages.study_drawings import Drawn, TrialErrors
 from studies.summary import Summary
 from studies.texts import escaped, fenced
 
@@ -20,7 +20,7 @@ Add = Callable[[Drawn], str]
 MOST_ROWS = 40
 
 
-def page(summed: Summary, plan: Plan, manifest: Mapping[str, Any], trials: Sequence[Trials], add: Add) -> str:
+def page(summed: Summary, plan: Plan, manifest: Mapping[str, Any], trials: Sequence[TrialErrors], add: Add) -> str:
     """The report. trials: those of the zip plots, none if the store has no shards here."""
     parts = (
         _opening(summed, plan),
@@ -134,7 +134,7 @@ def _results(summed: Summary, plan: Plan, add: Add) -> Iterator[str]:
     yield from study_report.ranked(summed, plan)
 
 
-def _unknowns(summed: Summary, plan: Plan, trials: Sequence[Trials], add: Add) -> Iterator[str]:
+def _unknowns(summed: Summary, plan: Plan, trials: Sequence[TrialErrors], add: Add) -> Iterator[str]:
     first = plan.conditions[0]
     drawn = [
         ("Biases", study_drawings.biases(summed, plan, first.id)),

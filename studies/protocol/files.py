@@ -39,7 +39,7 @@ alone
 
 def write(a: Adjustment, folder: Path) -> list[Path]:
     """Write the protocol of a successful adjustment, as one; returns the files. Raises OSError."""
-    findings = protocol.Findings(a)
+    findings = protocol.ProtocolFindings(a)
     # many small products: further threads only wait for each other
     with one_thread():
         record = protocol.record(a, findings)

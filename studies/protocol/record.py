@@ -35,7 +35,7 @@ from adjust.quality import (
     variance_components,
     w_critical,
 )
-from studies.protocol import adjustment_page, further as protocol_further, residuals as protocol_residuals
+from studies.protocol import adjustment_page, further_observations as protocol_further, residuals as protocol_residuals
 from studies.protocol.advice import advice
 
 Record = dict[str, Any]
@@ -47,7 +47,7 @@ ACCUSED_MOST = 50
 
 
 @dataclass(frozen=True, eq=False)
-class Findings:
+class ProtocolFindings:
     """What is computed once for the whole protocol."""
 
     adjustment: Adjustment
@@ -67,9 +67,9 @@ class Findings:
         return {camera: ap_significance(self.adjustment, camera) for camera, e in self.adjustment.ap.items() if e.names}
 
 
-def record(a: Adjustment, findings: Findings | None = None) -> Record:
+def record(a: Adjustment, findings: ProtocolFindings | None = None) -> Record:
     """The whole protocol in plain types without NaN. Raises ValueError where the adjustment failed."""
-    findings = Findings(a) if findings is None else findings
+    findings = ProtocolFindings(a) if findings is None else findings
     found: Record = {
         **adjustment_page.record(a),
         "data": data(a),
@@ -133,7 +133,7 @@ def datum(a: Adjustment) -> Record:
     }
 
 
-def groups(findings: Findings) -> list[Record]:
+def groups(findings: ProtocolFindings) -> list[Record]:
     """Count, redundancy and vPv of every group of observations, with the factor of its standard deviations."""
     a = findings.adjustment
     try:
@@ -169,7 +169,7 @@ def model_choice(a: Adjustment) -> Record:
     return {name: number(value) for name, value in found.items()}
 
 
-def reliability(findings: Findings) -> Record:
+def reliability(findings: ProtocolFindings) -> Record:
     """The reliability of the image coordinates in a few numbers, and of the points: the worst effect of a hidden
     error.
     """
@@ -197,7 +197,7 @@ def reliability(findings: Findings) -> Record:
     }
 
 
-def control(findings: Findings) -> list[Record]:
+def control(findings: ProtocolFindings) -> list[Record]:
     """Weighted control coordinates: correction, redundancy, w; fixed ones have none."""
     found = findings.reliability
     start = found.image_points.stop
@@ -265,7 +265,7 @@ def _accused(a: Adjustment, each: Accused) -> Record:
     }
 
 
-def _search(findings: Findings) -> Record:
+def _search(findings: ProtocolFindings) -> Record:
     a = findings.adjustment
     alpha = familywise(LEVEL, a.observations)
     return {

@@ -15,7 +15,7 @@ from studies.run import backends, isolation
 from studies.run.backends import Broken
 from studies.run.work import Done, run_task
 from studies.run.worker import BackendError, become_main
-from studies.session import machine
+from studies.session import computer
 from studies.store import Shard, Store, described, locked, look_at, refuse_other
 from studies.summary import stopping, summary
 from studies.trials import Draw, compute, image_points
@@ -95,7 +95,7 @@ def opened(folder: Path, plan: Plan) -> Store:
     if manifest is not None:
         refuse_other(plan, manifest)
     write_whole(folder / "study.toml", plan.study.text.encode())
-    store.write_manifest(plan.manifest({"columns": described(plan), **machine()}))
+    store.write_manifest(plan.manifest({"columns": described(plan), **computer()}))
     return store
 
 

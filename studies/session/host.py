@@ -9,7 +9,7 @@ from typing import Any
 from studies.session.installation import versions
 
 
-def machine() -> dict[str, Any]:
+def computer() -> dict[str, Any]:
     """Versions, processor and BLAS, as plain values."""
     return {"versions": versions(), "python": platform.python_version(), "processor": processor(), "blas": _blas()}
 

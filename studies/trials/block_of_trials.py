@@ -15,7 +15,7 @@ from simfield.world import CountError
 from studies.design import BlockTask
 from studies.store import BEFORE, LOST, NO_NOMINAL, Columns
 from studies.trials.drawn_trials import DrawnTrials, image_points, put, repeated
-from studies.trials.geometry import Prepared, geometry_of
+from studies.trials.geometry import PreparedMethod, geometry_of
 from studies.trials.trial_columns import nominal_columns, trial_columns
 
 Draw = Callable[[World, Sequence[int]], Floats]
@@ -96,7 +96,7 @@ def _given(world: World, trials: Sequence[int], task: BlockTask) -> Floats | Non
     return given
 
 
-def _adjusted(prepared: Prepared, tiles: Floats, given: Floats | None, count: int, arena: Arena) -> Columns:
+def _adjusted(prepared: PreparedMethod, tiles: Floats, given: Floats | None, count: int, arena: Arena) -> Columns:
     """The columns of a method's trials."""
     part = prepared.part
     own = None if given is None else given.take(part.points, axis=1, mode="clip")

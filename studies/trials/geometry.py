@@ -14,15 +14,15 @@ from simfield import World, build_world
 from simfield.block import Block, BlockError
 from simfield.numerics import Arena
 from studies.design import Condition, Method
-from studies.trials.parts import Part, noise_free_block
+from studies.trials.parts import MethodBlock, noise_free_block
 from studies.trials.trial_columns import Tracked
 
 
 @dataclass(frozen=True, eq=False)
-class Prepared:
+class PreparedMethod:
     """A method made ready for the trials of a condition."""
 
-    part: Part
+    part: MethodBlock
     chord: Chord
     tracked: Tracked
 
@@ -32,7 +32,7 @@ class Geometry:
     """The world of a condition, and the methods that were made ready in it; a text says why one cannot be."""
 
     world: World
-    methods: dict[str, Prepared | str] = field(default_factory=dict)
+    methods: dict[str, PreparedMethod | str] = field(default_factory=dict)
     arena: Arena = field(default_factory=Arena)
     """the memory in which one method after the other adjusts its trials"""
 
@@ -41,13 +41,13 @@ class Geometry:
         """The block without any random error: what all trials are disturbances of."""
         return noise_free_block(self.world)
 
-    def prepared(self, method: Method) -> Prepared:
+    def prepared(self, method: Method) -> PreparedMethod:
         """Raises ValueError where the method cannot adjust this block."""
         if method.key not in self.methods:
             try:
-                part = Part.of(self.world, self.noise_free, method)
+                part = MethodBlock.of(self.world, self.noise_free, method)
                 chord = prepared(part.block, method.ap_model())
-                self.methods[method.key] = Prepared(part, chord, Tracked.of(chord.nominal, part))
+                self.methods[method.key] = PreparedMethod(part, chord, Tracked.of(chord.nominal, part))
             except (BlockError, ValueError) as error:
                 self.methods[method.key] = str(error)
         found = self.methods[method.key]

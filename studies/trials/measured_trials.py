@@ -1,7 +1,7 @@
 """Image coordinates of many trials through the whole measurement chain and its reductions, drawn when asked for.
 
-The fast route to what `simfield.chain.Prepared.measure` and `adjust.reductions.reduction.reduce` say trial by trial:
-what is deterministic for a geometry is computed once, what is random in compiled loops over blocks of trials. It
+The fast route to what `simfield.chain.PreparedChain.measure` and `adjust.reductions.reduction.reduce` say trial by
+trial: what is deterministic for a geometry is computed once, what is random in compiled loops over blocks of trials. It
 agrees with the readable route to 1e-9 mm, and a trial has the same bits in any block.
 """
 
@@ -16,7 +16,7 @@ import numpy as np
 from adjust.reductions import (
     MEAN_RADIUS_M,
     Frame,
-    Plan,
+    ReductionPlan,
     Work,
     bending,
     drift_weights,
@@ -25,7 +25,7 @@ from adjust.reductions import (
     through_lens_and_air,
 )
 from simfield.block import Floats, Indices, Raw
-from simfield.chain import Prepared, Room, share_of_words, tables
+from simfield.chain import PreparedChain, Room, share_of_words, tables
 from simfield.disturbances import second_order
 from simfield.numerics import TOGETHER, WIDTH, Arena
 from simfield.random import counter_key
@@ -45,8 +45,8 @@ class MeasuredTrials:
     observations, all if None. Goes into `adjust_replicates` as it is.
     """
 
-    prepared: Prepared
-    plan: Plan | None
+    prepared: PreparedChain
+    plan: ReductionPlan | None
     start: int
     stop: int
     rows: Indices | None = None

@@ -14,7 +14,7 @@ from studies.design import ALL, Method
 
 
 @dataclass(frozen=True, eq=False)
-class Part:
+class MethodBlock:
     """The noise-free block of a method; rays (k') and points (n') are its rows among those of the world.
 
     true (n', 3) are the true coordinates in metres, exterior (m', 6) the true orientations in metres and radians.
@@ -27,7 +27,7 @@ class Part:
     exterior: Floats
 
     @classmethod
-    def of(cls, world: World, whole: Block, method: Method) -> Part:
+    def of(cls, world: World, whole: Block, method: Method) -> MethodBlock:
         """From a world and its noise-free block. Raises BlockError where the method leaves nothing to adjust."""
         kept_cameras = set(whole.camera_ids if method.cameras == ALL else method.cameras.split("+"))
         image = np.array([whole.camera_ids[c] in kept_cameras for c in whole.images.camera])

@@ -19,7 +19,7 @@ from adjust.trials import STATUSES, Replicates
 from simfield.block import Floats
 from studies.comparison import CONFIDENCE
 from studies.store import CODES, DEVIATIONS, OTHER, POINT_LABELS
-from studies.trials.parts import Part
+from studies.trials.parts import MethodBlock
 from studies.trials.trial_columns_compiled import point_deviations
 
 Codes = npt.NDArray[np.int8]
@@ -36,7 +36,7 @@ class Tracked:
     estimand: Floats
 
     @classmethod
-    def of(cls, nominal: Adjustment, part: Part) -> Tracked:
+    def of(cls, nominal: Adjustment, part: MethodBlock) -> Tracked:
         """All additional parameters; of every camera the image nearest to the centre of the field, as "ww.Z0"; and the
         points nearest to the centre and farthest from it, as "centre.Z" and "edge.Z".
         """
@@ -59,7 +59,7 @@ class Tracked:
         return cls(tuple(names), np.array(at, dtype=np.intp), np.array(estimand))
 
 
-def _middle_images(part: Part, centre: Floats) -> dict[str, int]:
+def _middle_images(part: MethodBlock, centre: Floats) -> dict[str, int]:
     distance = np.hypot(*(part.exterior[:, :2] - centre).T)
     found = {}
     for number, camera in enumerate(part.block.camera_ids):
@@ -69,7 +69,7 @@ def _middle_images(part: Part, centre: Floats) -> dict[str, int]:
     return found
 
 
-def _two_points(part: Part, centre: Floats) -> dict[str, int]:
+def _two_points(part: MethodBlock, centre: Floats) -> dict[str, int]:
     free = np.flatnonzero(part.block.points.role != "control")
     if not free.size:
         return {}
@@ -103,7 +103,7 @@ def _largest_with_exterior(nominal: Adjustment) -> float:
 
 
 def trial_columns(
-    replicates: Replicates, part: Part, tracked: Tracked, given: Floats
+    replicates: Replicates, part: MethodBlock, tracked: Tracked, given: Floats
 ) -> dict[str, npt.NDArray[np.generic]]:
     """The columns of t trials; given (t or 1, n', 3) are the coordinates of the points that the surveyor gave, m."""
     nominal, layout = replicates.nominal, replicates.nominal.layout

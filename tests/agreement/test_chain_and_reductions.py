@@ -9,7 +9,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings, strategies as st
 
 from adjust import reductions
-from adjust.reductions.reduction import Plan, reduce
+from adjust.reductions.reduction import ReductionPlan, reduce
 from simfield import build_world, presets
 from simfield.chain.air import Air
 from simfield.chain.comparator import Comparator, Marks
@@ -23,7 +23,7 @@ from simfield.disturbances.noise import Noise
 EXACT_MM = 1e-9
 RADII = (0.0, 30.0, 60.0, 90.0, 120.0, 165.0)
 QUIET = replace(presets["rheidt-1980"], effects=(), noise=Noise(image_um=0.0, assumed_um=5.0))
-NOTHING = Plan("helmert", drift=False, comparator=False, lens=False, refraction=False, curvature=False)
+NOTHING = ReductionPlan("helmert", drift=False, comparator=False, lens=False, refraction=False, curvature=False)
 SMALL = st.floats(-1.0, 1.0)
 FEW = settings(max_examples=8, deadline=None, suppress_health_check=list(HealthCheck), derandomize=True)
 
@@ -111,7 +111,7 @@ def test_all_stages_together(v):
         comparator=Comparator((100 * v[0], 100 * v[1]), 50 * v[2], (3 * v[3], 3 * v[4]), 2.0, 20.0),
     )
     world = film_world("affine", "quadratic", "cubic", um=10.0 * abs(v[5]))
-    assert largest_difference(world, chain, Plan("helmert", reseau_degree=3)) < EXACT_MM
+    assert largest_difference(world, chain, ReductionPlan("helmert", reseau_degree=3)) < EXACT_MM
 
 
 def test_a_smooth_random_field_is_taken_out_by_the_reseau_but_for_a_rest(world):

@@ -11,7 +11,7 @@ from hypothesis import HealthCheck, given, settings, strategies as st
 
 from adjust import adjust_replicates, ap_models
 from adjust.reductions.inner_compiled import KINDS
-from adjust.reductions.reduction import Plan, reduce
+from adjust.reductions.reduction import ReductionPlan, reduce
 from simfield import build_world, presets
 from simfield.chain.air import Air
 from simfield.chain.comparator import Comparator, Errors, Marks
@@ -29,7 +29,7 @@ FIRST = 21
 FEW = settings(max_examples=6, deadline=None, suppress_health_check=list(HealthCheck), derandomize=True)
 SHARE = st.floats(0.0, 1.0)
 PSK = chains["psk-1969"]
-NOTHING = Plan("helmert", drift=False, comparator=False, lens=False, refraction=False, curvature=False)
+NOTHING = ReductionPlan("helmert", drift=False, comparator=False, lens=False, refraction=False, curvature=False)
 EVERYTHING = replace(PSK, marks=Marks("both", calibration_um=1.0), errors=Errors(2.0, 0.01, 120.0, 0.02))
 EFFECTS = (
     EffectOn(FilmAffine(2e-5, -1e-5, 3e-5, 8e-5), camera="ww"),
@@ -89,13 +89,13 @@ def test_every_stage_alone(world, name):
 
 @pytest.mark.parametrize("inner", KINDS)
 def test_all_stages_together(world, inner):
-    assert_same_as_one_by_one(world, EVERYTHING, Plan(inner))
+    assert_same_as_one_by_one(world, EVERYTHING, ReductionPlan(inner))
 
 
 @pytest.mark.parametrize("degree", [1, 3, 5])
 def test_reseau(world, degree):
     chain = replace(PSK, marks=Marks("corner", reseau_spacing_mm=25.0, calibration_um=1.0))
-    assert_same_as_one_by_one(world, chain, Plan("affine", reseau_degree=degree), 1)
+    assert_same_as_one_by_one(world, chain, ReductionPlan("affine", reseau_degree=degree), 1)
 
 
 def test_machine_coordinates_as_they_are(world):
@@ -117,11 +117,11 @@ def test_random_settings(v, inner, per):
         ),
         errors=Errors(5.0 * v[8], 0.02 * v[6], 400.0 * v[7], 0.02 * v[8]),
     )
-    assert_same_as_one_by_one(world, chain, Plan(inner, lens=v[3] > 0.2), 1)
+    assert_same_as_one_by_one(world, chain, ReductionPlan(inner, lens=v[3] > 0.2), 1)
 
 
 def test_a_trial_has_the_same_bits_in_any_block(world):
-    trials = MeasuredTrials(prepare(world, EVERYTHING), Plan("projective"), 0, 80)
+    trials = MeasuredTrials(prepare(world, EVERYTHING), ReductionPlan("projective"), 0, 80)
     whole = trials[:]
     assert np.array_equal(trials[3:4], whole[3:4])
     assert np.array_equal(trials[30:49], whole[30:49])
@@ -132,7 +132,7 @@ def test_a_trial_has_the_same_bits_in_any_block(world):
 
 @pytest.mark.parametrize("chain", [EVERYTHING, replace(EVERYTHING, errors=Errors(2.0))])
 def test_some_observations_alone(world, chain):
-    trials = MeasuredTrials(prepare(world, chain), Plan("affine"), 0, 20)
+    trials = MeasuredTrials(prepare(world, chain), ReductionPlan("affine"), 0, 20)
     rows = np.array([700, 5, 41, 3300, 40])
     assert np.array_equal(trials.only(rows)[1:19], trials[1:19][:, rows])
     assert np.array_equal(trials.only(rows).only(np.array([2, 0]))[1:3], trials[1:3][:, rows[[2, 0]]])
@@ -140,8 +140,8 @@ def test_some_observations_alone(world, chain):
 
 def test_replicates_take_them_as_they_are(world):
     prepared = prepare(world, PSK)
-    trials = MeasuredTrials(prepared, Plan("affine"), 0, 40)
-    block = reduce(prepared.measure(0), Plan("affine")).block
+    trials = MeasuredTrials(prepared, ReductionPlan("affine"), 0, 40)
+    block = reduce(prepared.measure(0), ReductionPlan("affine")).block
     drawn = adjust_replicates(block, ap_models.get("torlegard"), trials)
     given = adjust_replicates(block, ap_models.get("torlegard"), trials[:])
     np.testing.assert_array_equal(drawn.trials.x, given.trials.x)

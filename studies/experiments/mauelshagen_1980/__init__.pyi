@@ -2,14 +2,13 @@ from . import drawings as drawings, experiment as experiment, table1 as table1, 
 from .experiment import (
     CAMERAS as CAMERAS,
     SECTIONS as SECTIONS,
-    ReproductionError as ReproductionError,
     Row as Row,
     adjusted as adjusted,
     middle_images as middle_images,
     rows as rows,
     sub_block as sub_block,
 )
-from .files import write_provenance as write_provenance
-from .story import OLDER as OLDER, Reproduction as Reproduction, reproduce as reproduce
+from .story import OLDER as OLDER, reproduce as reproduce
 from .table1 import table1_markdown as table1_markdown
 from .trials import places as places, run_trials as run_trials
+from .written import write_provenance as write_provenance

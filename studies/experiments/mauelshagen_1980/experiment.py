@@ -10,16 +10,13 @@ from adjust import Adjustment, ApModel, adjust_block, ap_models
 from simfield import Truth
 from simfield.block import Block
 from studies.experiments import published
+from studies.experiments.reproduction import ReproductionError
 
 SECTIONS = {"optical": "3.1", "torlegard": "3.2", "brown14": "3.3"}
 """the section of the paper that gives each model"""
 CAMERA_TITLES = {"sww": "SWW, RMK A 8.5/23", "ww": "WW, RMK A 15/23"}
 CAMERAS = tuple(CAMERA_TITLES)
 BOTH = "sww+ww"
-
-
-class ReproductionError(RuntimeError):
-    """The experiment cannot be reproduced; one line says why."""
 
 
 @dataclass(frozen=True)

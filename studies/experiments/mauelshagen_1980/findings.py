@@ -26,7 +26,6 @@ from studies.experiments.mauelshagen_1980.experiment import (
     BOTH,
     CAMERAS,
     SECTIONS,
-    ReproductionError,
     Row,
     adjusted,
     middle_images,
@@ -34,6 +33,7 @@ from studies.experiments.mauelshagen_1980.experiment import (
     sub_block,
 )
 from studies.experiments.mauelshagen_1980.trials import run_trials
+from studies.experiments.reproduction import ReproductionError
 from studies.session import progress_bar
 
 WORLD = "rheidt-1980"
@@ -45,7 +45,7 @@ RADIUS_EDGES_MM = np.arange(0.0, 171.0, 10.0)
 
 
 @dataclass(frozen=True, eq=False)
-class Findings:
+class MauelshagenFindings:
     """Everything that the reproduction computes; of flight 0 where no trials are named."""
 
     world: World
@@ -71,7 +71,7 @@ class Findings:
     failures: list[str]
 
 
-def compute(trials: int, jobs: int | None, seed: int) -> Findings:
+def compute(trials: int, jobs: int | None, seed: int) -> MauelshagenFindings:
     """Fly both worlds and compute everything that is reported. Flight 0 serves what needs no statistics."""
     experiment = rows()
     try:
@@ -87,7 +87,7 @@ def compute(trials: int, jobs: int | None, seed: int) -> Findings:
         correlations = table2.table2(block, truth)
         z0 = claims.z0_correlations(block, truth)
         both = {model: adjusted(sub_block(block, truth, BOTH, True), model) for model in SECTIONS}
-        return Findings(
+        return MauelshagenFindings(
             world=world,
             film_world=film_world,
             trials=trials,

@@ -9,7 +9,7 @@ import pandas as pd
 from studies.experiments import published
 from studies.experiments.mauelshagen_1980 import claims, drawings, table1, table2
 from studies.experiments.mauelshagen_1980.experiment import CAMERA_TITLES, CAMERAS
-from studies.experiments.mauelshagen_1980.findings import Findings
+from studies.experiments.mauelshagen_1980.findings import MauelshagenFindings
 from studies.pages import scenario_page
 from studies.texts import markdown
 
@@ -23,20 +23,20 @@ VARIANT_TEXT = {
 }
 
 
-def report_page(found: Findings, command: str) -> str:
+def report_page(found: MauelshagenFindings, command: str) -> str:
     """The report, from top to bottom."""
     sections = (_opening(found), _world(found), _table1(found), _table2(found), _erratum(found), _claims(found))
     return "\n".join("\n".join(section) for section in (*sections, _figures(found), _closing(found, command)))
 
 
-def table1_page(found: Findings) -> str:
+def table1_page(found: MauelshagenFindings) -> str:
     """Table 1 with its explanation and the world it was flown in."""
     return "\n".join(
         ["# Table 1: published and simulated", "", *_table1_body(found), "## The simulated world", "", _page_of(found)]
     )
 
 
-def table2_page(found: Findings) -> str:
+def table2_page(found: MauelshagenFindings) -> str:
     """Table 2, all four adjustments of the corrected model, and how far every variant is from the print."""
     lines = ["# Table 2: correlations of b1 .. b14", "", published.source("mauelshagen-1980-table2-without-aux"), ""]
     lines += [
@@ -49,7 +49,7 @@ def table2_page(found: Findings) -> str:
     return "\n".join([*lines, "## Rms of the 91 differences", "", _rms_table(found)])
 
 
-def _opening(found: Findings) -> Iterator[str]:
+def _opening(found: MauelshagenFindings) -> Iterator[str]:
     yield "# Mauelshagen 1980, flown and adjusted again\n"
     yield published.source("mauelshagen-1980-table1").split(", Table 1")[0] + ".\n"
     yield (
@@ -65,7 +65,7 @@ def _opening(found: Findings) -> Iterator[str]:
     )
 
 
-def _world(found: Findings) -> Iterator[str]:
+def _world(found: MauelshagenFindings) -> Iterator[str]:
     yield "## 1  The simulated world\n"
     yield _page_of(found)
     yield (
@@ -81,12 +81,12 @@ def _figure(name: str) -> str:
     return f"![{drawings.ALTERNATIVE[name][0]}]({name}.svg)\n"
 
 
-def _page_of(found: Findings) -> str:
+def _page_of(found: MauelshagenFindings) -> str:
     scenario = found.world.scenario
     return f"Preset `{scenario.name}`, seed {found.world.seed}.\n\n{scenario_page(scenario)}"
 
 
-def _table1(found: Findings) -> Iterator[str]:
+def _table1(found: MauelshagenFindings) -> Iterator[str]:
     yield "## 2  Table 1: unknowns, redundancy, m0 and mu\n"
     yield from _table1_body(found)
     yield _figure("table1")
@@ -111,7 +111,7 @@ def _table1(found: Findings) -> Iterator[str]:
     yield _inside(found.table1_film)
 
 
-def _table1_body(found: Findings) -> Iterator[str]:
+def _table1_body(found: MauelshagenFindings) -> Iterator[str]:
     table = found.table1
     equal = ((table["unknowns"] == table["sim_unknowns"]) & (table["redundancy"] == table["sim_redundancy"])).sum()
     yield (
@@ -143,7 +143,7 @@ def _inside(table: pd.DataFrame) -> str:
     return "\n".join(parts) + "\n"
 
 
-def _table2(found: Findings) -> Iterator[str]:
+def _table2(found: MauelshagenFindings) -> Iterator[str]:
     yield "## 3  Table 2: correlations of b1 .. b14\n"
     fits = []
     for aux, label in AUX.items():
@@ -168,7 +168,7 @@ def _table2(found: Findings) -> Iterator[str]:
         yield _figure(f"table2_{camera}")
 
 
-def _erratum(found: Findings) -> Iterator[str]:
+def _erratum(found: MauelshagenFindings) -> Iterator[str]:
     yield "## 4  An erratum\n"
     printed = found.table2_rms[found.table2_rms["variant"] == "as_printed"]["as_labelled"]
     yield (
@@ -181,14 +181,14 @@ def _erratum(found: Findings) -> Iterator[str]:
     yield _figure("erratum")
 
 
-def _rms_table(found: Findings) -> str:
+def _rms_table(found: MauelshagenFindings) -> str:
     rms = found.table2_rms.assign(terms=found.table2_rms["variant"].map(VARIANT_TEXT))
     rms = rms.assign(aux_points=rms["aux_points"].map({False: "without", True: "with"}))
     columns = ["terms", "aux_points", "camera", "as_labelled", "swapped"]
     return markdown(rms[columns], {"as_labelled": ".3f", "swapped": ".3f"})
 
 
-def _claims(found: Findings) -> Iterator[str]:
+def _claims(found: MauelshagenFindings) -> Iterator[str]:
     yield "## 5  What the paper says in words\n"
     for number, (claim, lines) in enumerate(found.claims.groupby("claim", sort=False), start=1):
         yield f"### 5.{number}  {claim}\n"
@@ -211,7 +211,7 @@ def _claims(found: Findings) -> Iterator[str]:
     yield _figure("ellipses")
 
 
-def _figures(found: Findings) -> Iterator[str]:
+def _figures(found: MauelshagenFindings) -> Iterator[str]:
     yield "## 6  Figures 1 to 3\n"
     yield _figure("figure1")
     yield "Figure 1: points of a full image by radius.\n"
@@ -235,7 +235,7 @@ def _figures(found: Findings) -> Iterator[str]:
     )
 
 
-def _closing(found: Findings, command: str) -> Iterator[str]:
+def _closing(found: MauelshagenFindings, command: str) -> Iterator[str]:
     yield "## 7  Again\n"
     yield f"    {command}\n"
     yield (

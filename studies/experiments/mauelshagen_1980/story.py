@@ -3,25 +3,17 @@
 from __future__ import annotations
 
 import time
-from dataclasses import dataclass
 from pathlib import Path
 
 from simfield.files import make_folder, whole_folder
 from simfield.scenario import scenario_as_table
-from studies.experiments.mauelshagen_1980.files import write, write_provenance
-from studies.experiments.mauelshagen_1980.findings import Findings, compute
+from studies.experiments.mauelshagen_1980.findings import MauelshagenFindings, compute
+from studies.experiments.mauelshagen_1980.written import write, write_provenance
+from studies.experiments.reproduction import Reproduction
 from studies.session import provenance
 
 OLDER = ("report.html",)
 """what `simfield report` made of an older reproduction"""
-
-
-@dataclass(frozen=True)
-class Reproduction:
-    """What was written, and a line for every adjustment of a trial that failed."""
-
-    files: list[Path]
-    failures: list[str]
 
 
 def reproduce(folder: Path, *, trials: int, jobs: int | None, seed: int) -> Reproduction:
@@ -37,7 +29,7 @@ def reproduce(folder: Path, *, trials: int, jobs: int | None, seed: int) -> Repr
     return Reproduction([folder / path.name for path in files], found.failures)
 
 
-def _parameters(found: Findings, seed: int) -> dict[str, object]:
+def _parameters(found: MauelshagenFindings, seed: int) -> dict[str, object]:
     return {
         "trials": found.trials,
         "film_trials": found.film_trials,

@@ -8,8 +8,9 @@ import numpy as np
 import pandas as pd
 
 from studies.experiments import published
-from studies.experiments.mauelshagen_1980.experiment import ReproductionError, Row
+from studies.experiments.mauelshagen_1980.experiment import Row
 from studies.experiments.mauelshagen_1980.trials import COUNTS, MEASURES
+from studies.experiments.reproduction import ReproductionError
 from studies.texts import DASH, markdown
 
 FORMATS = {"m0_um": ".1f"} | {

@@ -1,1 +1,1 @@
-from .story import ReproductionError as ReproductionError, reproduce as reproduce
+from .story import reproduce as reproduce

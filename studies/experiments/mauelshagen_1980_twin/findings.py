@@ -43,7 +43,7 @@ class Twin:
 
 
 @dataclass(frozen=True, eq=False)
-class Findings:
+class TwinFindings:
     """The twins by reading, the components and the expected squares (figures, components) of each."""
 
     trials: int
@@ -54,7 +54,7 @@ class Findings:
     failures: list[str]
 
 
-def compute(trials: int, jobs: int | None, seed: int) -> Findings:
+def compute(trials: int, jobs: int | None, seed: int) -> TwinFindings:
     """Fit, then fly `trials` whole experiments in each world. Raises ReproductionError if a row fails altogether."""
     experiment, components = rows(), all_components()
     base = build_world(presets[BASE], seed)
@@ -82,7 +82,7 @@ def compute(trials: int, jobs: int | None, seed: int) -> Findings:
     with threadpool_limits(1):
         shown = (twins["2-D"].random_scenario, twins["2-D"].fixed_scenario)
         tested = ap_sets.tests([*(build_world(s, seed) for s in shown), base])
-    return Findings(trials, components, expected, twins, tested, failures)
+    return TwinFindings(trials, components, expected, twins, tested, failures)
 
 
 def published_figures(reading: str) -> Floats:

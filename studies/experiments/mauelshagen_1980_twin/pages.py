@@ -9,7 +9,7 @@ import pandas as pd
 
 from studies.experiments.mauelshagen_1980 import table1_markdown
 from studies.experiments.mauelshagen_1980_twin import fixed, variances
-from studies.experiments.mauelshagen_1980_twin.findings import Findings, Twin
+from studies.experiments.mauelshagen_1980_twin.findings import Twin, TwinFindings
 from studies.texts import markdown
 
 SEPARABLE = 0.6
@@ -29,7 +29,7 @@ mu_xy is read in two ways, as the 2-D point error and as the rms of one coordina
 """
 
 
-def report_page(found: Findings, command: str) -> str:
+def report_page(found: TwinFindings, command: str) -> str:
     """The whole report."""
     parts = [INTRODUCTION, f"Made by `{command}`: {found.trials} whole experiments in each world.\n", _verdict(found)]
     for twin in found.twins.values():
@@ -54,7 +54,7 @@ def near(table: pd.DataFrame, reading: str) -> tuple[int, int]:
     return int(close.sum()), int(sum(shares))
 
 
-def components_table(found: Findings) -> pd.DataFrame:
+def components_table(found: TwinFindings) -> pd.DataFrame:
     """Sizes of all components under both readings: first fit, refined fit, and the middle 68 % of the refits."""
     lines = []
     for twin in found.twins.values():
@@ -75,7 +75,7 @@ def components_table(found: Findings) -> pd.DataFrame:
     return pd.DataFrame(lines)
 
 
-def terms_table(found: Findings) -> pd.DataFrame:
+def terms_table(found: TwinFindings) -> pd.DataFrame:
     """The terms of the fixed worlds."""
     lines = [
         {"reading": twin.reading, "term": str(term), "um_at_100mm": float(size)}
@@ -90,7 +90,7 @@ def _columns(reading: str) -> list[tuple[str, str]]:
     return [("m0_um", "m0_um"), ("mu_xy_mm", plan), ("mu_z_mm", "mu_z_mm")]
 
 
-def _verdict(found: Findings) -> str:
+def _verdict(found: TwinFindings) -> str:
     lines = []
     for reading, twin in found.twins.items():
         m0, mu = near(twin.table_fixed, reading)
@@ -116,7 +116,7 @@ def _named(reading: str) -> str:
     return "the 2-D error" if reading == "2-D" else "the rms of one coordinate"
 
 
-def _chapter(found: Findings, twin: Twin) -> Iterator[str]:
+def _chapter(found: TwinFindings, twin: Twin) -> Iterator[str]:
     name = _named(twin.reading)
     sizes = components_table(found)
     own = sizes[(sizes["reading"] == twin.reading) & ((sizes["size"] > 0) | (sizes["first_fit"] >= 0.5))]
@@ -143,7 +143,7 @@ def _chapter(found: Findings, twin: Twin) -> Iterator[str]:
     yield _far(twin)
 
 
-def _not_separable(found: Findings, twin: Twin) -> str:
+def _not_separable(found: TwinFindings, twin: Twin) -> str:
     """The pairs of components of which refits take more of the one where they take less of the other."""
     variances_ = twin.refits**2
     used = np.flatnonzero(variances_.std(axis=0) > 0.0)
@@ -159,7 +159,7 @@ def _not_separable(found: Findings, twin: Twin) -> str:
     return f"What the data cannot separate, by the correlation of the refitted variances: {said}. {_cosines(found)}\n"
 
 
-def _cosines(found: Findings) -> str:
+def _cosines(found: TwinFindings) -> str:
     scaled = found.expected / np.linalg.norm(found.expected, axis=0)
     cosine = scaled.T @ scaled - np.eye(len(found.components))
     i, j = np.unravel_index(np.argsort(-cosine, axis=None), cosine.shape)
@@ -194,7 +194,7 @@ def _far(twin: Twin) -> str:
     )
 
 
-def _sets(found: Findings) -> str:
+def _sets(found: TwinFindings) -> str:
     digits = {**dict.fromkeys(("median_f", "significant"), ".2f"), **dict.fromkeys(("mu_xy", "mu_z"), ".3f")}
     return (
         "The paper's open question, put to the twins: F test of the finer choice against the coarser, "

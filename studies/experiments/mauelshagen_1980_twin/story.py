@@ -9,13 +9,12 @@ from simfield.files import make_folder, whole_folder
 from simfield.scenario import scenario_as_table
 from studies.experiments.mauelshagen_1980 import (
     OLDER,
-    Reproduction,
-    ReproductionError as ReproductionError,
     table1,
     write_provenance,
 )
 from studies.experiments.mauelshagen_1980_twin import drawings, pages
-from studies.experiments.mauelshagen_1980_twin.findings import Findings, compute
+from studies.experiments.mauelshagen_1980_twin.findings import TwinFindings, compute
+from studies.experiments.reproduction import Reproduction
 from studies.figures import house_style, save
 from studies.session import provenance
 from studies.texts import write_csv
@@ -37,7 +36,7 @@ def reproduce(folder: Path, *, trials: int, jobs: int | None, seed: int) -> Repr
     return Reproduction([folder / path.name for path in files], found.failures)
 
 
-def _write(found: Findings, folder: Path, command: str) -> list[Path]:
+def _write(found: TwinFindings, folder: Path, command: str) -> list[Path]:
     written: list[Path] = []
     sizes = dict.fromkeys(("first_fit", "size", "refit_16", "refit_50", "refit_84"), ".2f")
     tables = {
@@ -60,7 +59,7 @@ def _write(found: Findings, folder: Path, command: str) -> list[Path]:
     return [*written, report]
 
 
-def _parameters(found: Findings, seed: int) -> dict[str, object]:
+def _parameters(found: TwinFindings, seed: int) -> dict[str, object]:
     scenarios = {
         f"{kind}, {reading}": scenario_as_table(scenario)
         for reading, twin in found.twins.items()

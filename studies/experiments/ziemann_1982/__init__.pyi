@@ -1,2 +1,1 @@
-from .experiment import ReproductionError as ReproductionError
-from .story import Reproduction as Reproduction, reproduce as reproduce
+from .story import reproduce as reproduce

@@ -11,11 +11,6 @@ from adjust import ApModel, ap_models
 from simfield import World
 from simfield.block import Block, Floats, Indices
 
-
-class ReproductionError(RuntimeError):
-    """The experiment cannot be reproduced; one line says why."""
-
-
 CAMERAS = {"rc8r": "RC8", "rmk-ar": "RMK-A"}
 """our ids and the paper's names"""
 FIELDS = {"rheidt": "ziemann-rheidt", "jamijarvi": "ziemann-jamijarvi"}
@@ -69,7 +64,7 @@ def cases() -> list[Case]:
 
 
 @dataclass(frozen=True, eq=False)
-class Part:
+class CameraBlock:
     """The block of one camera, and where its rays (k), points (n) and images (m) stand in the world."""
 
     block: Block
@@ -78,14 +73,14 @@ class Part:
     images: Indices
 
 
-def part_of(world: World, camera: str) -> Part:
+def part_of(world: World, camera: str) -> CameraBlock:
     """The images of one camera, with all points that they show; approximate orientations are the true ones."""
     block, _ = world.observe(0)
     part = block.select(cameras=[camera])
     images = np.flatnonzero(np.array(world.plan.camera_ids) == camera)
     rays = np.flatnonzero(np.isin(world.image, images))
     place = {name: row for row, name in enumerate(block.points.ids)}
-    return Part(part, rays, np.array([place[name] for name in part.points.ids]), images)
+    return CameraBlock(part, rays, np.array([place[name] for name in part.points.ids]), images)
 
 
 def residual_um(vpv: Floats, block: Block) -> Floats:

@@ -10,14 +10,15 @@ from joblib import Parallel, delayed
 from simfield import World, build_world, presets
 from simfield.disturbances import DistortionError
 from simfield.world import CountError
+from studies.experiments.reproduction import ReproductionError
 from studies.experiments.ziemann_1982 import table
-from studies.experiments.ziemann_1982.experiment import FIELDS, ReproductionError, cases
+from studies.experiments.ziemann_1982.experiment import FIELDS, cases
 from studies.experiments.ziemann_1982.trials import run_case
 from studies.session import progress_bar
 
 
 @dataclass(frozen=True, eq=False)
-class Findings:
+class ZiemannFindings:
     """worlds by field; the tables of studies.experiments.ziemann_1982.table; a line for each adjustment that failed."""
 
     worlds: dict[str, World]
@@ -28,7 +29,7 @@ class Findings:
     failures: list[str]
 
 
-def compute(trials: int, jobs: int | None, seed: int) -> Findings:
+def compute(trials: int, jobs: int | None, seed: int) -> ZiemannFindings:
     """Fly both fields with both cameras. jobs None takes a process for each processor."""
     try:
         worlds = {field: build_world(presets[name], seed) for field, name in FIELDS.items()}
@@ -48,4 +49,4 @@ def compute(trials: int, jobs: int | None, seed: int) -> Findings:
     failed = flown[flown["failure"] != ""]
     names = ["camera", "field", "level", "model", "trial", "failure"]
     lines = [", ".join(str(value) for value in row) for row in failed[names].to_numpy().tolist()]
-    return Findings(worlds, trials, compared, table.beyond(flown), table.rank_correlations(compared), lines)
+    return ZiemannFindings(worlds, trials, compared, table.beyond(flown), table.rank_correlations(compared), lines)

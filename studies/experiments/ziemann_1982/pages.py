@@ -9,19 +9,19 @@ import pandas as pd
 from studies.experiments import published
 from studies.experiments.ziemann_1982 import reseau
 from studies.experiments.ziemann_1982.experiment import SETS, cases, model_of
-from studies.experiments.ziemann_1982.findings import Findings
+from studies.experiments.ziemann_1982.findings import ZiemannFindings
 from studies.experiments.ziemann_1982.table import RANK_FORMATS, case_markdown, order
 from studies.pages import scenario_page
 from studies.texts import markdown
 
 
-def report_page(found: Findings, command: str) -> str:
+def report_page(found: ZiemannFindings, command: str) -> str:
     """The report, from top to bottom."""
     sections = (_opening(found), _table(found), _orders(found), _system(found), _others(found), _world(found))
     return "\n".join("\n".join(section) for section in (*sections, _closing(command)))
 
 
-def _opening(found: Findings) -> Iterator[str]:
+def _opening(found: ZiemannFindings) -> Iterator[str]:
     yield "# Ziemann & El-Hakim 1982, flown and adjusted again\n"
     yield published.source("ziemann-el-hakim-1982").split(";")[0] + ".\n"
     yield (
@@ -48,7 +48,7 @@ def _opening(found: Findings) -> Iterator[str]:
     )
 
 
-def _table(found: Findings) -> Iterator[str]:
+def _table(found: ZiemannFindings) -> Iterator[str]:
     yield "## 1  Rms of residual vectors, um: published / simulated\n"
     names = ", ".join(f"{letter} `{model}`" for letter, model in SETS.items())
     yield f"Sets: {names}. A question mark: not readable, or with doubtful digits.\n"
@@ -59,7 +59,7 @@ def _table(found: Findings) -> Iterator[str]:
     yield "![Levels](levels.svg)\n"
 
 
-def _orders(found: Findings) -> Iterator[str]:
+def _orders(found: ZiemannFindings) -> Iterator[str]:
     yield "## 2  The order of the sets\n"
     rows = [
         {
@@ -84,7 +84,7 @@ def _orders(found: Findings) -> Iterator[str]:
     yield markdown(by_set, dict.fromkeys(("mean", "min", "max"), "+.2f"))
 
 
-def _system(found: Findings) -> Iterator[str]:
+def _system(found: ZiemannFindings) -> Iterator[str]:
     yield "## 3  With the system's distortion removed first\n"
     yield (
         "Step 2: the mean residual of the adjustment without parameters, in cells of 23 mm over all images of a "
@@ -102,7 +102,7 @@ def _system(found: Findings) -> Iterator[str]:
     )
 
 
-def _others(found: Findings) -> Iterator[str]:
+def _others(found: ZiemannFindings) -> Iterator[str]:
     yield "## 4  Sets that the paper does not have\n"
     rows = found.beyond[~found.beyond["system"]]
     wide = rows.pivot_table(index="model", columns=["camera", "field"], values="sim_um", sort=False)
@@ -114,7 +114,7 @@ def _others(found: Findings) -> Iterator[str]:
     yield markdown(shown, dict.fromkeys(shown.columns[2:], ".2f"))
 
 
-def _world(found: Findings) -> Iterator[str]:
+def _world(found: ZiemannFindings) -> Iterator[str]:
     yield "## 5  The simulated world\n"
     yield (
         "One world for all sets; the sources are silent about lenses, film and noise, so these are assumed. Fitted: "

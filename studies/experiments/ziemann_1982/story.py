@@ -5,13 +5,13 @@ from __future__ import annotations
 import json
 import time
 from collections.abc import Iterator
-from dataclasses import dataclass
 from pathlib import Path
 
 from simfield.files import make_folder, whole_folder
 from simfield.scenario import scenario_as_table
+from studies.experiments.reproduction import Reproduction
 from studies.experiments.ziemann_1982 import drawings
-from studies.experiments.ziemann_1982.findings import Findings, compute
+from studies.experiments.ziemann_1982.findings import ZiemannFindings, compute
 from studies.experiments.ziemann_1982.pages import report_page
 from studies.experiments.ziemann_1982.table import FORMATS, RANK_FORMATS
 from studies.figures import house_style, save
@@ -20,14 +20,6 @@ from studies.texts import write_csv
 
 OLDER = ("report.html",)
 """what `simfield report` made of an older reproduction"""
-
-
-@dataclass(frozen=True)
-class Reproduction:
-    """What was written, and a line for every adjustment of a trial that failed."""
-
-    files: list[Path]
-    failures: list[str]
 
 
 def reproduce(folder: Path, *, trials: int, jobs: int | None, seed: int) -> Reproduction:
@@ -45,7 +37,7 @@ def reproduce(folder: Path, *, trials: int, jobs: int | None, seed: int) -> Repr
     return Reproduction([folder / path.name for path in files], found.failures)
 
 
-def _tables(found: Findings, folder: Path) -> Iterator[Path]:
+def _tables(found: ZiemannFindings, folder: Path) -> Iterator[Path]:
     written = {
         "table": (found.table, FORMATS),
         "beyond": (found.beyond, FORMATS),
@@ -57,13 +49,13 @@ def _tables(found: Findings, folder: Path) -> Iterator[Path]:
         yield path
 
 
-def _figures(found: Findings, folder: Path) -> Iterator[Path]:
+def _figures(found: ZiemannFindings, folder: Path) -> Iterator[Path]:
     with house_style():
         yield from save(drawings.sets_figure(found.table), folder / "sets", *drawings.SETS_SAY)
         yield from save(drawings.levels_figure(found.table), folder / "levels", *drawings.LEVELS_SAY)
 
 
-def _page(found: Findings, folder: Path, command: str) -> Path:
+def _page(found: ZiemannFindings, folder: Path, command: str) -> Path:
     path = folder / "report.md"
     path.write_text(report_page(found, command), encoding="utf-8")
     return path

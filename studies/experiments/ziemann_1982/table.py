@@ -7,7 +7,8 @@ import pandas as pd
 
 from simfield.block import Floats
 from studies.experiments import published
-from studies.experiments.ziemann_1982.experiment import CAMERAS, OTHERS, SETS, Case, ReproductionError, cases
+from studies.experiments.reproduction import ReproductionError
+from studies.experiments.ziemann_1982.experiment import CAMERAS, OTHERS, SETS, Case, cases
 from studies.experiments.ziemann_1982.reseau import LEVELS
 from studies.texts import markdown
 

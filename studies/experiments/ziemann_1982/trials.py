@@ -16,12 +16,12 @@ from adjust import adjust_replicates
 from adjust.trials import Replicates
 from simfield import World
 from simfield.block import Floats
+from studies.experiments.reproduction import ReproductionError
 from studies.experiments.ziemann_1982.experiment import (
     OTHERS,
     SETS,
+    CameraBlock,
     Case,
-    Part,
-    ReproductionError,
     model_of,
     part_of,
     residual_um,
@@ -57,7 +57,7 @@ def run_case(world: World, case: Case, trials: int) -> pd.DataFrame:
     return pd.concat(lines, ignore_index=True)
 
 
-def flown(world: World, part: Part, trials: int) -> dict[int, Floats]:
+def flown(world: World, part: CameraBlock, trials: int) -> dict[int, Floats]:
     """(t, k, 2) mm for every level: the image points of one camera, corrected by the reseau."""
     found = {level: np.empty((trials, len(part.rays), 2)) for level in LEVELS}
     image = world.image[part.rays]
@@ -71,7 +71,7 @@ def flown(world: World, part: Part, trials: int) -> dict[int, Floats]:
     return found
 
 
-def without_system(part: Part, xy: Floats, given: Floats) -> Floats:
+def without_system(part: CameraBlock, xy: Floats, given: Floats) -> Floats:
     """(t, k, 2) mm: the image points less the distortion that all images of a trial have in common.
 
     It is the mean residual, in cells of the format, of the adjustment without additional parameters.
@@ -99,7 +99,7 @@ def residuals(found: Replicates, xy: Floats, trial: int) -> Floats:
     return ordered
 
 
-def adjusted(part: Part, model: str, xy: Floats, given: Floats) -> Replicates:
+def adjusted(part: CameraBlock, model: str, xy: Floats, given: Floats) -> Replicates:
     """All trials with one set. Raises ReproductionError where the block cannot be adjusted at all."""
     block = part.block.replace_image_points(xy[0])
     try:
@@ -108,7 +108,7 @@ def adjusted(part: Part, model: str, xy: Floats, given: Floats) -> Replicates:
         raise ReproductionError(f"{model}: {error}") from error
 
 
-def _lines(part: Part, case: Case, how: tuple[int, bool], model: str, xy: Floats, given: Floats) -> pd.DataFrame:
+def _lines(part: CameraBlock, case: Case, how: tuple[int, bool], model: str, xy: Floats, given: Floats) -> pd.DataFrame:
     found = adjusted(part, model, xy, given)
     return pd.DataFrame(
         {

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from studies.comparison.distortion import format_grid
+from studies.comparison.distortion_found import format_grid
 from studies.comparison.perspective import perspective_reduction, tilt_terms
 
 SMALL_RAD = 3e-7

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from adjust import ap_models
-from adjust.reductions.reduction import Plan
+from adjust.reductions.reduction import ReductionPlan
 from simfield import presets
 from simfield.chain.presets import chains
 from studies.experiments.error_budget import EVERYTHING, Budget, stages, table
@@ -18,7 +18,7 @@ UNDONE = ["refraction", "earth curvature", "comparator"]
 
 @pytest.fixture(scope="module")
 def found():
-    budget = Budget(presets["rheidt-1980-film"], chains["psk-1969"], Plan("helmert"), ap_models.get("brown14"))
+    budget = Budget(presets["rheidt-1980-film"], chains["psk-1969"], ReductionPlan("helmert"), ap_models.get("brown14"))
     assert list(stages(budget))[-1] == EVERYTHING
     return table(budget, TRIALS, 1980).set_index("stage")
 

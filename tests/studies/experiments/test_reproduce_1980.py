@@ -11,7 +11,7 @@ from click.testing import CliRunner
 
 from simfield import build_world, presets
 from studies.commands.program import main
-from studies.comparison.distortion import true_radial
+from studies.comparison.distortion_found import true_radial
 from studies.experiments import published
 from studies.experiments.mauelshagen_1980.experiment import CAMERAS, ReproductionError, Row, middle_images, rows
 from studies.experiments.mauelshagen_1980.table1 import failures, table1

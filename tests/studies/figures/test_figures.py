@@ -6,7 +6,7 @@ from matplotlib.collections import QuadMesh
 from matplotlib.quiver import Quiver
 
 from studies import figures
-from studies.comparison.distortion import RadialCurve, VectorField, crest, format_grid
+from studies.comparison.distortion_found import RadialCurve, VectorField, crest, format_grid
 from studies.figures.canvas import house_style, new_figure, save
 
 R_MM = np.linspace(0.0, 150.0, 151)

@@ -13,7 +13,7 @@ from simfield import build_world, presets
 from studies.design.methods import Method
 from studies.summary import ranking
 from studies.summary.cells import Cell, measured
-from studies.trials.parts import Part, noise_free_block
+from studies.trials.parts import MethodBlock, noise_free_block
 from studies.trials.trial_columns import Tracked, nominal_columns, trial_columns
 
 KEY = "m"
@@ -45,7 +45,7 @@ def trial():
     from adjust.trials.replicates import adjust_replicates
 
     world = build_world(presets["grid-small"], 3)
-    part, model = Part.of(world, noise_free_block(world), Method("brown14")), ap_models.get("brown14")
+    part, model = MethodBlock.of(world, noise_free_block(world), Method("brown14")), ap_models.get("brown14")
     xy, given = world.image_points(5)[None], world.given_coordinates(5)[None]
     replicates = adjust_replicates(part.block, model, xy, coordinates=given)
     tracked = Tracked.of(replicates.nominal, part)

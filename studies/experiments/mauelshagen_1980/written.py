@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from studies.experiments.mauelshagen_1980 import claims, drawings, table1, table2
 from studies.experiments.mauelshagen_1980.experiment import CAMERAS
-from studies.experiments.mauelshagen_1980.findings import RADIUS_EDGES_MM, Findings
+from studies.experiments.mauelshagen_1980.findings import RADIUS_EDGES_MM, MauelshagenFindings
 from studies.experiments.mauelshagen_1980.pages import report_page, table1_page, table2_page
 from studies.figures import house_style, save
 from studies.texts import write_csv
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-def write(found: Findings, folder: Path, command: str) -> list[Path]:
+def write(found: MauelshagenFindings, folder: Path, command: str) -> list[Path]:
     """Write tables, figures and pages; the files."""
     return [*_tables(found, folder), *_figures(found, folder), *_pages(found, folder, command)]
 
@@ -30,7 +30,7 @@ def write_provenance(origin: Mapping[str, Any], folder: Path) -> Path:
     return path
 
 
-def _tables(found: Findings, folder: Path) -> Iterator[Path]:
+def _tables(found: MauelshagenFindings, folder: Path) -> Iterator[Path]:
     written = {
         "table1": (found.table1, table1.FORMATS),
         "table1_film": (found.table1_film, table1.FORMATS),
@@ -47,7 +47,7 @@ def _tables(found: Findings, folder: Path) -> Iterator[Path]:
         yield path
 
 
-def figures(found: Findings) -> Iterator[tuple[str, Figure]]:
+def figures(found: MauelshagenFindings) -> Iterator[tuple[str, Figure]]:
     """Every figure with its name."""
     yield "plan", drawings.plan_figure(found.block)
     yield "ellipses", drawings.ellipses_figure(found.point_errors)
@@ -63,13 +63,13 @@ def figures(found: Findings) -> Iterator[tuple[str, Figure]]:
         yield f"figure{number}", drawings.distortion_figure(found.curves[camera], found.fields[camera])
 
 
-def _figures(found: Findings, folder: Path) -> Iterator[Path]:
+def _figures(found: MauelshagenFindings, folder: Path) -> Iterator[Path]:
     with house_style():
         for name, figure in figures(found):
             yield from save(figure, folder / name, *drawings.ALTERNATIVE[name])
 
 
-def _pages(found: Findings, folder: Path, command: str) -> Iterator[Path]:
+def _pages(found: MauelshagenFindings, folder: Path, command: str) -> Iterator[Path]:
     pages = {"table1": table1_page(found), "table2": table2_page(found), "report": report_page(found, command)}
     for name, text in pages.items():
         path = folder / f"{name}.md"
