@@ -1,4 +1,5 @@
 from .air import Air as Air
+from .chain_file import chain_as_table as chain_as_table, chain_from_table as chain_from_table
 from .comparator import Comparator as Comparator, Errors as Errors, Marks as Marks
 from .lens import Lens as Lens, RadialCertificate as RadialCertificate
 from .measure import (

@@ -212,7 +212,7 @@ def _written_down(
         certificates={
             lens.camera: (np.array(lens.radial.radius_mm), np.atleast_2d(lens.radial.distortion_um))
             for lens in chain.lenses
-            if lens.radial is not None
+            if lens.radial is not None and lens.camera in block.camera_ids
         },
     )
 

@@ -60,7 +60,7 @@ def scenario_from_table(table: Mapping[str, Any]) -> Scenario:
         name = given.pop("preset")
         if not isinstance(name, str) or name not in presets:
             raise ScenarioError(f"preset: no preset named {name!r}{nearest(name, presets)}")
-        whole = _merged(scenario_as_table(presets[name]), given)
+        whole = merged(scenario_as_table(presets[name]), given)
     return _checked(_with_changes(whole, changes))
 
 
@@ -86,15 +86,16 @@ def scenario_as_table(scenario: Scenario) -> dict[str, Any]:
     return table
 
 
-def _merged(base: dict[str, Any], given: Mapping[str, Any]) -> dict[str, Any]:
-    merged = dict(base)
+def merged(base: dict[str, Any], given: Mapping[str, Any]) -> dict[str, Any]:
+    """A table in which what is given takes the place of what was there, table by table."""
+    both = dict(base)
     for key, value in given.items():
-        old = merged.get(key)
+        old = both.get(key)
         # Another kind of field or effect shares no keys with the old one.
         if isinstance(old, dict) and isinstance(value, dict) and value.get("kind", old.get("kind")) == old.get("kind"):
-            value = _merged(old, value)
-        merged[key] = value
-    return merged
+            value = merged(old, value)
+        both[key] = value
+    return both
 
 
 def _with_changes(table: dict[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:

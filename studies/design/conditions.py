@@ -2,31 +2,37 @@
 
 from __future__ import annotations
 
+import copy
 import hashlib
 import itertools
 import math
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
 
-from simfield.scenario import Scenario, scenario_as_table, scenario_from_table
+from simfield.scenario import Scenario, ScenarioError, scenario_as_table, scenario_from_table
 from studies.design.factors import canonical, canonical_text, factor_named, level_label, put_level
-from studies.design.study import Study
+from studies.design.measuring import Measuring, apart, measuring_of, whole
+from studies.design.study import Factor, Study
 
 MOST_CONDITIONS = 10_000
 SEED_BITS = 63
+IN_A_CHAIN = ("chain.", "reductions")
 
 
 @dataclass(frozen=True)
 class Condition:
-    """One data-generating situation: the levels of all factors, the scenario they make, and the seed of its world."""
+    """One data-generating situation: the levels of all factors, the scenario they make, the seed of its world, and how
+    its images are measured (None: by the scenario's own noise alone).
+    """
 
     id: str
     levels: Mapping[str, Any]
     scenario: Scenario
     seed: int
+    measuring: Measuring | None = None
 
     @property
     def columns(self) -> dict[str, str | float | bool]:
@@ -83,25 +89,43 @@ def conditions_of(study: Study) -> tuple[Condition, ...]:
 
 
 def base_table(study: Study) -> dict[str, Any]:
-    """The scenario that all conditions start from, as a table. Raises ScenarioError."""
-    return scenario_as_table(scenario_from_table(study.scenario))
+    """The scenario that all conditions start from, as a table, with chain and reductions where they are said.
+
+    Raises ScenarioError.
+    """
+    own, measured = apart(study.scenario)
+    return {**scenario_as_table(scenario_from_table(own)), **whole(measured)}
 
 
-def scenario_with(study: Study, base: Mapping[str, Any], levels: Mapping[str, Any]) -> Scenario:
-    """The scenario of some levels. Raises ScenarioError where they do not fit, StudyError for an unknown factor."""
-    import copy
-
+def situation(study: Study, base: Mapping[str, Any], levels: Mapping[str, Any]) -> tuple[Scenario, Measuring | None]:
+    """Scenario and measuring of some levels. Raises ScenarioError where they do not fit, StudyError for an unknown
+    factor.
+    """
     table = copy.deepcopy(dict(base))
-    for name, level in levels.items():
-        put_level(table, factor_named(name, study), level)
-    return scenario_from_table(table)
+    # a whole chain comes before its values
+    for factor, level in sorted(((factor_named(n, study), v) for n, v in levels.items()), key=_of_a_part):
+        for path in factor.paths:
+            if path.startswith(IN_A_CHAIN) and "chain" not in table:
+                raise ScenarioError(f'{path}: there is no chain; allowed: beside a chain, as chain = "psk-1969"')
+        put_level(table, factor, level)
+        own, measured = apart(table)
+        table = own | whole(measured)
+    own, measured = apart(table)
+    return scenario_from_table(own), measuring_of(measured)
+
+
+def _of_a_part(changed: tuple[Factor, Any]) -> bool:
+    return "chain" not in changed[0].paths
 
 
 def _condition(study: Study, base: Mapping[str, Any], levels: Mapping[str, Any]) -> Condition:
-    scenario = scenario_with(study, base, levels) if levels else scenario_from_table(base)
+    scenario, measuring = situation(study, base, levels)
     seed = condition_seed(study.study.seed, {k: v for k, v in levels.items() if k not in study.paired.factors})
-    content = canonical_text({"scenario": scenario_as_table(scenario), "seed": str(seed)})
-    return Condition(hashlib.sha256(content.encode()).hexdigest()[:16], levels, scenario, seed)
+    said: dict[str, Any] = {"scenario": scenario_as_table(scenario), "seed": str(seed)}
+    if measuring is not None:
+        said["measuring"] = asdict(measuring)
+    content = canonical_text(said)
+    return Condition(hashlib.sha256(content.encode()).hexdigest()[:16], levels, scenario, seed, measuring)
 
 
 def condition_seed(study_seed: int, unpaired: Mapping[str, Any]) -> int:

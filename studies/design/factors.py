@@ -31,6 +31,10 @@ NAMED: Mapping[str, Factor] = {
         ("control", "control.layout", False),
         ("control_sigma_xy_mm", "control.sigma_xy_mm", False),
         ("control_sigma_z_mm", "control.sigma_z_mm", False),
+        ("chain", "chain", False),
+        ("chain_without", "chain.without", False),
+        ("film_field_um", "chain.film_field.sigma_um", False),
+        ("inner_orientation", "reductions.inner", False),
     )
 }
 """names that need no [factors] table"""

@@ -10,6 +10,7 @@ from simfield.numerics import TOGETHER
 from simfield.scenario import ScenarioError, scenario_from_table
 from studies.design import conditions
 from studies.design.factors import canonical, canonical_text, factor_named, level_label
+from studies.design.measuring import apart, measuring_of
 from studies.design.methods import KEYS, method_faults
 from studies.design.study import LEAST_TRIALS, NAME, Study, StudyError
 
@@ -23,7 +24,9 @@ def faults_of(study: Study) -> list[str]:
     cameras: tuple[str, ...] | None = None
     wrong_scenario: list[str] = []
     try:
-        cameras = tuple(c.camera_id for c in scenario_from_table(study.scenario).cameras)
+        own, measured = apart(study.scenario)
+        cameras = tuple(c.camera_id for c in scenario_from_table(own).cameras)
+        measuring_of(measured)
     except ScenarioError as error:
         wrong_scenario = [_inside("scenario", line) for line in str(error).splitlines()]
     faults += [*wrong_scenario, *method_faults(study, cameras)]
@@ -139,6 +142,7 @@ def _levels(study: Study) -> list[str]:
     for number, together in enumerate(study.zip):
         places += [(f"zip[{number}].{name}", name, levels) for name, levels in together.items()]
     faults = []
+    chains = {name: levels[0] for _, name, levels in places if levels and _is_chain(name, study)}
     for place, name, levels in places:
         try:
             factor_named(name, study)
@@ -146,11 +150,19 @@ def _levels(study: Study) -> list[str]:
             continue  # named as unknown already
         for number, level in enumerate(levels):
             try:
-                conditions.scenario_with(study, base, {name: level})
+                conditions.situation(study, base, {**chains, name: level})
             except ScenarioError as error:
                 lines = [line for line in str(error).splitlines() if not _may_go_together(line)]
                 faults += [f"{place}[{number}]: {line}" for line in lines]
     return faults
+
+
+def _is_chain(name: str, study: Study) -> bool:
+    """Whether a factor is a whole chain, without which its values are nowhere."""
+    try:
+        return "chain" in factor_named(name, study).paths
+    except StudyError:
+        return False
 
 
 def _may_go_together(line: str) -> bool:
@@ -163,7 +175,7 @@ def _together(study: Study) -> list[str]:
     base = conditions.base_table(study)
     for levels in conditions.combinations(study):
         try:
-            conditions.scenario_with(study, base, levels)
+            conditions.situation(study, base, levels)
         except ScenarioError as error:
             named = ", ".join(f"{k} = {shown(level_label(v))}" for k, v in levels.items())
             faults += [f"condition {named}: {line}" for line in str(error).splitlines()]

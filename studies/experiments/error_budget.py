@@ -17,6 +17,7 @@ from simfield.block import Block, Floats, ImageObservations
 from simfield.chain import FILM, Air, Chain, Comparator, Errors, PreparedChain, prepare
 from simfield.disturbances import Noise
 from simfield.scenario import Scenario
+from studies.design import fitting
 from studies.summary import performance
 from studies.trials import MeasuredTrials
 
@@ -82,7 +83,7 @@ def table(budget: Budget, trials: int, seed: int, report: Callable[[int], object
     lines = []
     for name, (scenario, chain) in stages(budget).items():
         prepared = prepare(build_world(scenario, seed), chain)
-        plan = _fitting(budget.plan, prepared.chain)
+        plan = fitting(budget.plan, prepared.chain)
         lines.append({"stage": name, **_measured(prepared, plan, budget.model, trials)})
         report(1)
     return pd.DataFrame(lines)
@@ -90,17 +91,6 @@ def table(budget: Budget, trials: int, seed: int, report: Callable[[int], object
 
 def _is_film(effect: object) -> bool:
     return isinstance(effect, FILM)
-
-
-def _fitting(plan: ReductionPlan, chain: Chain) -> ReductionPlan:
-    """The plan without the reductions of what the chain does not have: they would put in what was never there."""
-    return replace(
-        plan,
-        refraction=plan.refraction and chain.air.refraction,
-        curvature=plan.curvature and chain.air.curvature,
-        lens=plan.lens and any(lens.radial is not None for lens in chain.lenses),
-        comparator=plan.comparator and any((*chain.comparator.scale_ppm, chain.comparator.non_orthogonality_ppm)),
-    )
 
 
 def _measured(prepared: PreparedChain, plan: ReductionPlan, model: ApModel, trials: int) -> dict[str, float]:

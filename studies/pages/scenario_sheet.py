@@ -11,6 +11,7 @@ import pandas as pd
 
 from simfield.scenario import Scenario
 from studies.comparison import format_grid, root_mean_square
+from studies.design import Measuring
 from studies.texts import markdown
 
 
@@ -29,6 +30,21 @@ def scenario_page(scenario: Scenario) -> str:
             f"**Random errors.** {_said(scenario.noise)}.\n",
             f"**Measurement.** {_said(scenario.measurement)}.\n",
             f"**Start values of the adjustment.** {_said(scenario.start)}.\n",
+        ]
+    )
+
+
+def measuring_page(measuring: Measuring) -> str:
+    """The chain that the images of a condition go through, and the reductions of what it measures."""
+    chain = measuring.chain
+    lenses = [] if not chain.lenses else ["**Lenses**\n", _table(chain.lenses)]
+    field = "none" if chain.film_field is None else _said(chain.film_field)
+    return "\n".join(
+        [
+            f"**Measurement chain** {chain.name}. Air: {_said(chain.air)}; smooth field of the film: {field}; marks: "
+            f"{_said(chain.marks)}; comparator: {_said(chain.comparator)}; errors: {_said(chain.errors)}.\n",
+            *lenses,
+            f"**Reductions.** {_said(measuring.plan)}.\n",
         ]
     )
 

@@ -10,7 +10,7 @@ from typing import Any
 
 from studies.design import Plan, factor_named, factor_names, level_label, references
 from studies.pages import study_drawings, study_report
-from studies.pages.scenario_sheet import scenario_page
+from studies.pages.scenario_sheet import measuring_page, scenario_page
 from studies.pages.study_drawings import Drawn, TrialErrors
 from studies.summary import Summary
 from studies.texts import escaped, fenced
@@ -50,6 +50,8 @@ def _world(plan: Plan, add: Add) -> Iterator[str]:
     if len(plan.conditions) > 1:
         yield f"Described and drawn is the first of {len(plan.conditions)} conditions: {escaped(str(first))}.\n"
     yield scenario_page(first.scenario)
+    if first.measuring is not None:
+        yield measuring_page(first.measuring)
     try:
         yield from (add(drawn) for drawn in study_drawings.world(first))
     except (ArithmeticError, ValueError) as error:

@@ -10,10 +10,11 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 from adjust.trials import Chord, prepared
-from simfield import World, build_world
+from simfield import World
 from simfield.block import Block, BlockError
 from simfield.numerics import Arena
 from studies.design import Condition, Method
+from studies.trials.measured_world import world_of
 from studies.trials.parts import MethodBlock, noise_free_block
 from studies.trials.trial_columns import Tracked
 
@@ -65,7 +66,7 @@ def geometry_of(condition: Condition) -> Geometry:
     with _one:
         if condition.id not in _last:
             _last.clear()
-            _last[condition.id] = Geometry(build_world(condition.scenario, condition.seed))
+            _last[condition.id] = Geometry(world_of(condition))
         return _last[condition.id]
 
 

@@ -60,6 +60,12 @@ class MeasuredTrials:
     def __len__(self) -> int:
         return self.stop - self.start
 
+    def between(self, start: int, stop: int) -> MeasuredTrials:
+        """Other trials of the same chain, which share what is computed once."""
+        others = replace(self, start=start, stop=stop)
+        vars(others)["_tables"] = self._tables
+        return others
+
     def only(self, rows: Indices) -> MeasuredTrials:
         """The same trials of these observations alone, as in a sub-block."""
         return replace(self, rows=np.asarray(rows) if self.rows is None else self.rows[rows])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import subprocess
 import sys
 import time
@@ -189,7 +190,7 @@ def test_a_study_may_set_what_the_models_of_the_catalogue_take_and_nothing_else(
 
 
 def test_the_shipped_studies_are_without_fault_and_named_as_their_files() -> None:
-    wanted = {"ap-models", "redundancy", "second-zero", "stationarity", "wrong-model", "control", "ap-choice"}
+    wanted = {"ap-models", "redundancy", "second-zero", "stationarity", "wrong-model", "control", "ap-choice", "film"}
     assert set(shipped.names()) == wanted
     for name in shipped.names():
         asked = shipped.study(name)
@@ -231,6 +232,12 @@ LEVELS = {
     "control_sigma_z_mm": "[5.0, 20.0]",
     "lens": "[0.0, 2.0]",
     '"effects[0].effect.r0_mm"': "[90.0, 110.0]",
+    "chain": '["undisturbed", {preset = "psk-1969", without = ["lens"]}]',
+    "chain_without": '["errors", ["lens", "settings"]]',
+    "film_field_um": "[1.0, 3.0]",
+    "inner_orientation": '["helmert", "projective"]',
+    '"chain.lenses[0].tilt_deg[0]"': "[0.0, 0.1]",
+    '"reductions.lens"': "[false]",
 }
 """two levels of every factor, none of them that of the scenario"""
 EVERYTHING = """
@@ -241,6 +248,7 @@ seed = 1
 [scenario]
 preset = "rheidt-1980"
 measurement = { unused_groups = [], counts = {} }
+chain = "psk-1969"
 [factors]
 lens = { paths = ["effects[0].effect.k1", "effects[1].effect.k1"], times = true }
 [grid]
@@ -254,9 +262,9 @@ ap = ["none"]
 def test_everything_in_the_scenario_can_be_a_factor(factor: str) -> None:
     asked = study_from_text(EVERYTHING.replace("FACTOR", factor).replace("LEVELS", LEVELS[factor]))
     base = conditions_of(study_from_text(EVERYTHING.replace("FACTOR = LEVELS", "")))
-    scenarios = [c.scenario for c in (*base, *conditions_of(asked))]
-    assert len(scenarios) == 3
-    assert all(scenarios[i] != scenarios[j] for i, j in ((0, 1), (0, 2), (1, 2)))
+    situations = [(c.scenario, c.measuring) for c in (*base, *conditions_of(asked))]
+    assert len(situations) == (2 if factor == '"reductions.lens"' else 3)
+    assert all(a != b for a, b in itertools.combinations(situations, 2))
 
 
 def test_every_named_factor_is_tried() -> None:
