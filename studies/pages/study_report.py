@@ -15,6 +15,8 @@ from studies.texts import escaped
 
 MOST_LINES = 60
 DASH = "–"
+LETTER_MM, HANDLE_MM = 1.15, 9.0
+"""about what a letter of a legend, and the line before it, take"""
 
 
 def write(summed: Summary, plan: Plan, folder: Path) -> list[Path]:
@@ -127,6 +129,11 @@ def plain(value: Any) -> str:
     return f"{value:g}" if isinstance(value, float) else str(value)
 
 
+def side_by_side(labels: Sequence[str], width_mm: float) -> int:
+    """How many columns of a legend fit beside each other, three at most."""
+    return int(np.clip(width_mm // (LETTER_MM * max(map(len, labels)) + HANDLE_MM), 1, 3))
+
+
 def _draw(summed: Summary, plan: Plan, folder: Path) -> list[Path]:
     """The measures of the report over its factor x, one axes each."""
     study = plan.study
@@ -150,6 +157,8 @@ def _draw(summed: Summary, plan: Plan, folder: Path) -> list[Path]:
             axes.set_visible(False)
         handles, said = grid[0, 0].get_legend_handles_labels()
         if len(said) > 1:
-            figure.legend(handles[:MOST_SERIES], said[:MOST_SERIES], loc="outside lower center", ncols=3, fontsize=6.5)
+            shown = said[:MOST_SERIES]
+            side = side_by_side(shown, 90.0 * columns)
+            figure.legend(handles[:MOST_SERIES], shown, loc="outside lower center", ncols=side, fontsize=6.5)
         title = f"{study.name}: {', '.join(measures)}"
         return save(figure, folder / "figure", title, f"Each over {x}, with 95 % Monte-Carlo intervals.")
