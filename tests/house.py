@@ -35,8 +35,8 @@ class House:
     def standing(cls) -> House:
         """The house of this checkout, as git knows it, with what is new and not ignored."""
         command = ["git", "ls-files", "--cached", "--others", "--exclude-standard", "*.py", "*.pyi"]
-        listed = subprocess.run(command, cwd=TOP, check=True, capture_output=True, text=True).stdout.split()
-        return cls({path: (TOP / path).read_text(encoding="utf-8") for path in sorted(listed) if (TOP / path).is_file()})
+        listed = sorted(subprocess.run(command, cwd=TOP, check=True, capture_output=True, text=True).stdout.split())
+        return cls({path: (TOP / path).read_text(encoding="utf-8") for path in listed if (TOP / path).is_file()})
 
     @cached_property
     def files(self) -> dict[str, ast.Module]:

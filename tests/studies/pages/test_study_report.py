@@ -7,7 +7,6 @@ import pytest
 from studies.figures.canvas import MILLIMETRE, house_style, new_figure
 from studies.pages.study_report import side_by_side
 
-
 TEXT = 3 * "inner_orientation helmert, control corners-and-centre, "
 
 
