@@ -6,9 +6,13 @@ from .block_views import (
     point_errors as point_errors,
 )
 from .distortion_found import (
+    CREST_RADII_MM as CREST_RADII_MM,
+    DECENTERING as DECENTERING,
+    RADIAL as RADIAL,
     DecenteringFields as DecenteringFields,
     RadialCurve as RadialCurve,
     VectorField as VectorField,
+    crest as crest,
     decentering_fields as decentering_fields,
     format_grid as format_grid,
     radial_curve as radial_curve,

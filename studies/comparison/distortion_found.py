@@ -20,6 +20,8 @@ RADIAL = {"optical": ("a3", "a4"), "torlegard": ("a3", "a4"), "brown14": ("b10",
 DECENTERING = {"optical": ("a5", "a6"), "torlegard": ("a5", "a6"), "brown14": ("b13", "b14")}
 """the parameters of each model that are radial-symmetric distortion, and decentering distortion"""
 RADIUS_MOST_MM = 150.0
+CREST_RADII_MM = np.linspace(0.0, RADIUS_MOST_MM, 151)
+"""at which radial curves are computed, and their crest is sought"""
 GRID_HALF_MM, GRID_STEP_MM = 100.0, 20.0
 DIRECTIONS = 72
 
@@ -82,7 +84,7 @@ def radial_curve(a: Adjustment, camera: str, truth: Truth) -> RadialCurve:
     names = RADIAL[model.id]
     columns = [model.parameters.index(name) for name in names]
     r0 = float(model.settings["r0_mm"])
-    r = np.linspace(0.0, RADIUS_MOST_MM, 151)
+    r = CREST_RADII_MM
     terms = 1000.0 * model.basis(r, np.zeros_like(r))[:, 0, columns]
     covariance = a.covariance(*((camera, name) for name in names))
     std = np.sqrt(np.einsum("ni,ij,nj->n", terms, covariance, terms))

@@ -21,7 +21,7 @@ from studies.comparison import (
     point_errors,
     radial_curve,
 )
-from studies.experiments.mauelshagen_1980 import claims, table1, table2
+from studies.experiments.mauelshagen_1980 import claims, table1, table2, verdicts
 from studies.experiments.mauelshagen_1980.experiment import (
     BOTH,
     CAMERAS,
@@ -86,6 +86,7 @@ def compute(trials: int, jobs: int | None, seed: int) -> MauelshagenFindings:
         block, truth = world.observe(0)
         correlations = table2.table2(block, truth)
         z0 = claims.z0_correlations(block, truth)
+        worlds = table2.other_worlds(world.scenario, range(seed + 1, seed + 1 + OTHER_GEOMETRIES))
         both = {model: adjusted(sub_block(block, truth, BOTH, True), model) for model in SECTIONS}
         return MauelshagenFindings(
             world=world,
@@ -96,8 +97,8 @@ def compute(trials: int, jobs: int | None, seed: int) -> MauelshagenFindings:
             table1_film=table1.table1(experiment, film_flown),
             table2=correlations,
             table2_rms=table2.rms_of_differences(correlations),
-            geometries=table2.other_geometries(world.scenario, range(seed + 1, seed + 1 + OTHER_GEOMETRIES)),
-            claims=claims.claims(block, truth, z0),
+            geometries=table2.other_geometries(worlds),
+            claims=verdicts.verdicts(world, worlds, trials),
             z0=z0,
             errors=claims.standard_errors(block, truth, experiment),
             radii={c: _radii(block, truth, c) for c in CAMERAS},

@@ -7,13 +7,14 @@ adjustment with auxiliary points. All combinations are computed.
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Collection, Iterable
 
 import numpy as np
 import pandas as pd
 
 from adjust import ap_models
-from simfield import Truth, build_world
+from simfield import Truth, World, build_world
 from simfield.block import Block, Floats
 from simfield.scenario import Scenario
 from simfield.world import CountError
@@ -75,18 +76,21 @@ def rms_of_differences(table: pd.DataFrame) -> pd.DataFrame:
     return pd.DataFrame(lines).sort_values(["variant", "aux_points", "camera"], key=_in_order, ignore_index=True)
 
 
-def other_geometries(scenario: Scenario, seeds: Iterable[int]) -> pd.DataFrame:
-    """The same rms of the corrected terms for other deviations of the flights and other omitted points: one a seed.
+def other_worlds(scenario: Scenario, seeds: Iterable[int]) -> list[World]:
+    """The same flights with other deviations and other omitted points: a world a seed.
 
     A seed whose flights cannot have given the published counts is left out.
     """
-    tables = []
+    worlds = []
     for seed in seeds:
-        try:
-            world = build_world(scenario, seed)
-        except CountError:
-            continue
-        tables.append(rms_of_differences(table2(*world.observe(0), ["corrected"])).assign(seed=seed))
+        with contextlib.suppress(CountError):
+            worlds.append(build_world(scenario, seed))
+    return worlds
+
+
+def other_geometries(worlds: Iterable[World]) -> pd.DataFrame:
+    """The same rms of the corrected terms in other worlds."""
+    tables = [rms_of_differences(table2(*w.observe(0), ["corrected"])).assign(seed=w.seed) for w in worlds]
     return pd.concat(tables, ignore_index=True)
 
 

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from studies.experiments.mauelshagen_1980 import claims, drawings, table1, table2
+from studies.experiments.mauelshagen_1980 import claims, drawings, table1, table2, verdicts
 from studies.experiments.mauelshagen_1980.experiment import CAMERAS
 from studies.experiments.mauelshagen_1980.findings import RADIUS_EDGES_MM, MauelshagenFindings
 from studies.experiments.mauelshagen_1980.pages import report_page, table1_page, table2_page
@@ -37,7 +37,7 @@ def _tables(found: MauelshagenFindings, folder: Path) -> Iterator[Path]:
         "table2": (found.table2, table2.FORMATS),
         "table2_rms": (found.table2_rms, table2.RMS_FORMATS),
         "table2_geometries": (found.geometries, table2.RMS_FORMATS),
-        "claims": (found.claims, claims.FORMATS),
+        "claims": (found.claims, verdicts.FORMATS),
         "z0_correlations": (found.z0, claims.CURVE_FORMATS),
         "standard_errors": (found.errors, claims.ERROR_FORMATS),
     }

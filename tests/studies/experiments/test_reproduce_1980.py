@@ -13,6 +13,7 @@ from simfield import build_world, presets
 from studies.commands.program import main
 from studies.comparison.distortion_found import true_radial
 from studies.experiments import published
+from studies.experiments.mauelshagen_1980 import verdicts
 from studies.experiments.mauelshagen_1980.experiment import CAMERAS, ReproductionError, Row, middle_images, rows
 from studies.experiments.mauelshagen_1980.table1 import failures, table1
 from studies.experiments.mauelshagen_1980.trials import MEASURES, run_trials
@@ -87,6 +88,36 @@ def test_claims_of_the_paper(folder):
     assert (wide[True] < wide[False]).all()
     curve = pd.read_csv(folder / "z0_correlations.csv")
     assert (curve["r0_mm"].min(), curve["r0_mm"].max()) == (0, 140)
+
+
+@pytest.mark.parametrize(
+    ("pair", "without", "with_aux"),
+    [(("b3", "b7"), 0.00, 0.03), (("b12", "b13"), 0.00, 0.02), (("b3", "b4"), 0.32, 0.37), (("b1", "b3"), None, -0.41)],
+)
+def test_figures_of_table_2_read_again_from_the_scan(pair, without, with_aux):
+    i, j = (int(name[1:]) - 1 for name in pair)
+    assert published.mauelshagen_table2(aux_points=True)[i, j] == with_aux
+    assert without is None or published.mauelshagen_table2(aux_points=False)[i, j] == without
+
+
+def test_every_claim_has_a_value_a_range_and_a_verdict(folder):
+    claims = pd.read_csv(folder / "claims.csv", keep_default_na=False)
+    assert len(claims) == 48
+    assert (claims["low"] <= claims["simulated"]).all()
+    assert (claims["simulated"] <= claims["high"]).all()
+    assert set(claims["reached"]) == {"yes", "no"}
+    assert set(claims["over"]) == {"geometries", "flights"}
+    assert claims.loc[claims["over"] == "flights", "n"].nunique() == 1
+    report = (folder / "report.md").read_text(encoding="utf-8")
+    assert f"{(claims['reached'] == 'yes').sum()} of 48 figures are reached" in report
+
+
+@pytest.mark.parametrize(
+    ("low", "high", "answer"),
+    [(-0.93, -0.92, "yes"), (-0.93, -0.9251, "no"), (-0.915, -0.9, "yes"), (-0.91, -0.9, "no"), (-1.0, 0.0, "yes")],
+)
+def test_a_claim_is_reached_where_the_range_meets_what_was_printed(low, high, answer):
+    assert verdicts.CORRELATION[False].reached(low, high) == answer
 
 
 def test_report_links_only_to_what_is_there_and_has_no_nan(folder):
