@@ -8,8 +8,8 @@ from functools import cached_property
 
 import numpy as np
 
-from adjust.model import EXTERIOR_NAMES, POINT_NAMES, Unknowns
-from adjust.normals import Arithmetic, Cofactors, SingularError
+from adjust.model import EXTERIOR_NAMES, POINT_NAMES, Flags, Unknowns, angles_by_angles
+from adjust.normals import Arithmetic, Cofactors, SingularError, ToldCofactors
 from adjust.observations import Observations
 from adjust.status import Status
 from simfield.block import Block, Floats
@@ -53,9 +53,10 @@ class ApEstimate:
 class Adjustment:
     """The result of `adjust_block`. Everything derived is computed when it is asked for.
 
-    x (size) is the estimate in the layout of `layout`: orientations (X0, Y0, Z0 in metres, reduced to `layout.origin`;
-    omega, phi, kappa in radians), additional parameters, what further groups add, points (metres, reduced). status says
-    how the adjustment ended and `message` says it in one line; iterations counts the steps.
+    x (size) is the estimate in the layout of `layout`: orientations (X0, Y0, Z0 in metres, reduced to
+    `layout.origin`; omega, phi, kappa in radians, by renamed axes where `layout.renamed` says so), additional
+    parameters, what further groups add, points (metres, reduced). status says how the adjustment ended and `message`
+    says it in one line; iterations counts the steps.
     """
 
     block: Block
@@ -117,7 +118,17 @@ class Adjustment:
 
     @cached_property
     def cofactors(self) -> Cofactors:
-        """The cofactors at the estimate. Raises ValueError where the adjustment failed."""
+        """The cofactors at the estimate, of the angles as people see them. Raises ValueError where it failed."""
+        found, renamed = self.working_cofactors, self.layout.renamed
+        return found if renamed is None else self._told_cofactors(found, renamed)
+
+    def _told_cofactors(self, found: Cofactors, renamed: Flags) -> Cofactors:
+        turns = angles_by_angles(self.layout.exterior(self.x)[:, 3:], renamed)
+        return ToldCofactors(self.layout, found.factor, found, np.flatnonzero(renamed), turns[renamed])
+
+    @cached_property
+    def working_cofactors(self) -> Cofactors:
+        """The cofactors of x itself. Raises ValueError where the adjustment failed."""
         if not self.status.ok:
             raise ValueError(f"no cofactors: {self.message}")
         try:
@@ -128,8 +139,9 @@ class Adjustment:
 
     @cached_property
     def std(self) -> Floats:
-        """(size) the standard deviation of every unknown, in the layout and the units of x; NaN where the adjustment
-        failed, 0 where a value is held fixed. Raises ValueError if the normal equations are singular at the estimate.
+        """(size) the standard deviation of every unknown, in the layout and the units of x, of angles as people see
+        them; NaN where the adjustment failed, 0 where a value is held fixed. Raises ValueError if the normal
+        equations are singular at the estimate.
         """
         if not self.status.ok:
             return np.full(len(self.x), np.nan)
@@ -139,7 +151,7 @@ class Adjustment:
     @cached_property
     def exterior(self) -> Floats:
         """Exterior orientations (m, 6): X0, Y0, Z0 in m, omega, phi, kappa in rad; without standard deviations."""
-        values = self.layout.exterior(self.x).copy()
+        values = self.layout.exterior(self.layout.told(self.x)).copy()
         values[:, :3] += self.layout.origin
         return values
 

@@ -114,7 +114,7 @@ def free_network(a: Adjustment, rows: Indices, targets: Floats) -> FreeAdjustmen
     points = moved.points(layout.points(a.x))
     x = np.concatenate(
         [
-            moved.exterior(layout.exterior(a.x)).ravel(),
+            moved.exterior(layout.exterior(a.x), layout.renamed).ravel(),
             a.x[6 * len(a.block.images) : layout.orientation],
             points.ravel(),
         ]
@@ -151,16 +151,19 @@ class FreeAdjustment(Adjustment):
         return self.minimum
 
     @cached_property
-    def cofactors(self) -> Cofactors:
+    def working_cofactors(self) -> Cofactors:
         """Cofactors of all unknowns, for the datum of the datum points, in the units of x (m, rad)."""
         layout = self.layout
         pivot = layout.points(self.x)[self.datum_rows].mean(axis=0)
         motions = np.zeros((len(self.x), MOTIONS))
-        motions[: 6 * len(self.block.images)] = station_motions(layout.exterior(self.x), pivot).reshape(-1, MOTIONS)
+        motions[: 6 * len(self.block.images)] = station_motions(layout.exterior(self.x), pivot, layout.renamed).reshape(
+            -1, MOTIONS
+        )
         motions[layout.orientation :] = point_motions(layout.points(self.x), pivot).reshape(-1, MOTIONS)
         motions[:, 3:] /= np.ptp(layout.points(self.x)[self.datum_rows], axis=0).max()
         places = (layout.orientation + 3 * self.datum_rows[:, None] + np.arange(3)).ravel()
-        return FreeCofactors(layout, self.minimum.cofactors.factor, self.minimum.cofactors, motions, places)
+        regular = self.minimum.working_cofactors
+        return FreeCofactors(layout, regular.factor, regular, motions, places)
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,17 +10,20 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from adjust.model.rotation import rotation_derivatives, rotation_matrices
+from adjust.model.rotation import Flags, rotation_derivatives, rotation_matrices
 from simfield.block import Floats, Indices
 
 
-def project(exterior: Floats, interior: Floats, points: Floats, image: Indices) -> tuple[Floats, Floats]:
+def project(
+    exterior: Floats, interior: Floats, points: Floats, image: Indices, renamed: Flags | None = None
+) -> tuple[Floats, Floats]:
     """Image coordinates xy (k, 2), mm, and depths -p_z (k), m, of points (k, 3) seen in the images `image` (k).
 
-    exterior (m, 6) in m and rad; interior (m, 3) with c, x0, y0 in mm for every image. A depth < 0
-    lies behind the camera; at depth 0 the coordinates are infinite or NaN.
+    exterior (m, 6) in m and rad, by renamed axes where `renamed` (m) says so (adjust.model.rotation); interior (m, 3)
+    with c, x0, y0 in mm for every image. A depth < 0 lies behind the camera; at depth 0 the coordinates are infinite or
+    NaN.
     """
-    rotation = rotation_matrices(exterior[:, 3:])
+    rotation = rotation_matrices(exterior[:, 3:], renamed)
     p = np.einsum("kij,ki->kj", rotation[image], points - exterior[image, :3])
     c, principal = interior[image, :1], interior[image, 1:]
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -41,9 +44,11 @@ class Projection:
     by_interior: Floats
 
 
-def linearise(exterior: Floats, interior: Floats, points: Floats, image: Indices) -> Projection:
+def linearise(
+    exterior: Floats, interior: Floats, points: Floats, image: Indices, renamed: Flags | None = None
+) -> Projection:
     """The projection of `project` with its derivatives; same arguments."""
-    rotation, derivatives = rotation_derivatives(exterior[:, 3:])
+    rotation, derivatives = rotation_derivatives(exterior[:, 3:], renamed)
     ray = points - exterior[image, :3]
     p = np.einsum("kij,ki->kj", rotation[image], ray)
     c, principal = interior[image, :1], interior[image, 1:]

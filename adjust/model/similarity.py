@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from adjust.model.rotation import rotation_derivatives, rotation_matrices
+from adjust.model.rotation import Flags, angles_of, rotation_derivatives, rotation_matrices
 from simfield.block import Floats
 
 
@@ -32,30 +32,18 @@ class Similarity:
         """(n, 3)."""
         return np.asarray(self.shift + self.scale * coordinates @ self.turn.T)
 
-    def exterior(self, exterior: Floats) -> Floats:
+    def exterior(self, exterior: Floats, renamed: Flags | None = None) -> Floats:
         """(m, 6): stations and angles of the images; angles stay within half a turn of what they were."""
-        angles = angles_of(self.turn @ rotation_matrices(exterior[:, 3:]))
+        angles = angles_of(self.turn @ rotation_matrices(exterior[:, 3:], renamed), renamed)
         full = np.round((exterior[:, 3:] - angles) / (2.0 * np.pi)) * 2.0 * np.pi
         return np.hstack([self.points(exterior[:, :3]), angles + full])
 
 
-def angles_of(rotation: Floats) -> Floats:
-    """omega, phi, kappa (m, 3) of R = R1(omega) R2(phi) R3(kappa), |phi| <= 90 degrees."""
-    r = rotation
-    return np.column_stack(
-        [
-            np.arctan2(-r[:, 1, 2], r[:, 2, 2]),
-            np.arcsin(np.clip(r[:, 0, 2], -1.0, 1.0)),
-            np.arctan2(-r[:, 0, 1], r[:, 0, 0]),
-        ]
-    )
-
-
-def station_motions(exterior: Floats, pivot: Floats) -> Floats:
+def station_motions(exterior: Floats, pivot: Floats, renamed: Flags | None = None) -> Floats:
     """(m, 6, 7): the change of exterior orientations (m, 6) under small shifts, rotations and scale about `pivot`."""
     moves = np.zeros((len(exterior), 6, 7))
     moves[:, :3] = point_motions(exterior[:, :3], pivot)
-    rotation, by_angle = rotation_derivatives(exterior[:, 3:])
+    rotation, by_angle = rotation_derivatives(exterior[:, 3:], renamed)
     for axis in range(3):
         # the angles change so that dR = [axis]_x R
         turned = np.cross(np.eye(3)[axis], rotation, axisb=1, axisc=1)

@@ -9,13 +9,14 @@ Object coordinates are reduced to `origin`, which keeps digits in large national
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
 import numpy.typing as npt
 
 from adjust.ap_models import ApModel
+from adjust.model.rotation import Flags, angles_of, rotation_matrices, steep
 from simfield.block import Block, Floats, Indices
 
 EXTERIOR_NAMES = ("X0", "Y0", "Z0", "omega", "phi", "kappa")
@@ -48,6 +49,8 @@ class Unknowns:
     coupled: Indices = field(default_factory=lambda: np.empty(0, dtype=np.intp))
     """(q) coordinates, counted three a point, that further observations tie to those of other points: they are not
     eliminated, but stand behind the further unknowns; their old places in x stay empty and are not free"""
+    renamed: Flags | None = None
+    """(m) the images whose angles in x are by renamed object axes (adjust.model.rotation); None: none is"""
 
     @classmethod
     def of(
@@ -108,6 +111,30 @@ class Unknowns:
     def exterior(self, x: Floats) -> Floats:
         """(m, 6) view of x, X0 reduced."""
         return x[: 6 * len(self.block.images)].reshape(-1, 6)
+
+    def with_renamed(self, x: Floats) -> tuple[Unknowns, Floats]:
+        """The layout for images that look along the object's X axis in x, if there are, and x in it."""
+        told = self.told(x)
+        renamed = steep(self.exterior(told)[:, 3:])
+        if not renamed.any():
+            return replace(self, renamed=None), told
+        own = told.copy()
+        angles = self.exterior(own)[:, 3:]
+        angles[renamed] = angles_of(rotation_matrices(angles[renamed]), renamed[renamed])
+        return replace(self, renamed=renamed), own
+
+    def told(self, x: Floats) -> Floats:
+        """x (..., size) with the angles of people; x itself where no axis is renamed."""
+        if self.renamed is None:
+            return x
+        told = np.array(x)
+        exterior = told[..., : 6 * len(self.block.images)].reshape(*x.shape[:-1], -1, 6)
+        for image in np.flatnonzero(self.renamed):
+            own = exterior[..., image, 3:].reshape(-1, 3)
+            flags = np.ones(len(own), dtype=bool)
+            exterior[..., image, 3:] = angles_of(rotation_matrices(own, flags)).reshape(*x.shape[:-1], 3)
+        told[..., : 6 * len(self.block.images)] = exterior.reshape(*x.shape[:-1], -1)
+        return told
 
     def points(self, x: Floats) -> Floats:
         """(n, 3) view of x, reduced; a copy where coordinates are coupled."""

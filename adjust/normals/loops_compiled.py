@@ -20,15 +20,15 @@ compile_notice.install()
 
 @numba.njit(cache=True, error_model="numpy", fastmath={"contract"})
 def linearise(
-    exterior: Any, rotation: Any, interior: Any, points: Any, starts: Any, point: Any, xy: Any, v: Any,
+    exterior: Any, rotation: Any, renamed: Any, interior: Any, points: Any, starts: Any, point: Any, xy: Any, v: Any,
     by_exterior: Any, by_point: Any,
 ) -> float:  # fmt: skip
     """Corrections and derivatives without additional parameters; returns the least depth.
 
-    exterior (m, 6), rotation (m, 3, 3), interior (m, 3), points (n, 3), starts (m + 1), point (k), xy (k, 2). On entry
-    v (k, 2) holds d(measured); on return projected + d(measured) - measured. by_exterior (k, 2, 6), by_point (k, 2, 3).
-    A small turn about the object axis a changes the projection by -by_point (a x ray); the angles turn about e1, R1 e2
-    and R e3.
+    exterior (m, 6), rotation (m, 3, 3), renamed (m) bool, interior (m, 3), points (n, 3), starts (m + 1), point (k),
+    xy (k, 2). On entry v (k, 2) holds d(measured); on return projected + d(measured) - measured. by_exterior (k, 2,
+    6), by_point (k, 2, 3). A small turn about the object axis a changes the projection by -by_point (a x ray); the
+    angles turn about e1, R1 e2 and R e3, of the renamed axes where they are.
     """
     least = np.inf
     for i in range(starts.size - 1):
@@ -56,9 +56,11 @@ def linearise(
                 gx, gy, gz = by_point[k, q, 0], by_point[k, q, 1], by_point[k, q, 2]
                 by_exterior[k, q, 0], by_exterior[k, q, 1], by_exterior[k, q, 2] = -gx, -gy, -gz
                 tx, ty, tz = y * gz - z * gy, z * gx - x * gz, x * gy - y * gx
+                by_exterior[k, q, 5] = -(ax * tx + ay * ty + az * tz)
+                if renamed[i]:
+                    tx, ty, tz = ty, tz, tx
                 by_exterior[k, q, 3] = -tx
                 by_exterior[k, q, 4] = -(co * ty + so * tz)
-                by_exterior[k, q, 5] = -(ax * tx + ay * ty + az * tz)
     return least
 
 

@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+import numpy.typing as npt
 import scipy.linalg
 import scipy.sparse
 
@@ -104,6 +105,12 @@ class Compiled:
         return aa
 
     @cached_property
+    def renamed(self) -> npt.NDArray[np.bool_]:
+        """(m) the images with renamed axes."""
+        u = self.observations.image_points.unknowns
+        return np.zeros(len(u.block.images), dtype=bool) if u.renamed is None else u.renamed
+
+    @cached_property
     def free(self) -> Floats:
         """(n, 3): 1 for free coordinates, 0 for fixed and for coupled ones."""
         return (~self.observations.image_points.unknowns.held).astype(float)
@@ -155,10 +162,10 @@ class Compiled:
         at = g.distortion(x)
         v = at.d.copy() if g.not_linear else at.d
         by_exterior, by_point = np.empty((len(v), 2, 6)), np.empty((len(v), 2, 3))
-        rotation = rotation_matrices(exterior[:, 3:])
+        rotation = rotation_matrices(exterior[:, 3:], u.renamed)
         points = np.ascontiguousarray(u.points(x))
         depth = loops.linearise(
-            exterior, rotation, at.interior, points, g.starts, g.point, g.xy, v, by_exterior, by_point
+            exterior, rotation, self.renamed, at.interior, points, g.starts, g.point, g.xy, v, by_exterior, by_point
         )
         if g.not_linear:
             g.add_principal_distance(at, v - at.d + g.xy)

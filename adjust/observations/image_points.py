@@ -145,7 +145,7 @@ class ImagePoints:
         rows = np.flatnonzero(np.isin(self.point, u.coupled // 3))
         at, points = self.jacobian(x), u.points(x)
         interior = self.distortion(x).interior
-        by_point = linearise(u.exterior(x), interior, points[self.point[rows]], self.image[rows]).by_point
+        by_point = linearise(u.exterior(x), interior, points[self.point[rows]], self.image[rows], u.renamed).by_point
         first = np.array([s.columns.start for s in u.sets], dtype=np.intp)[u.image_set[self.image[rows]]]
         exterior = 6 * self.image[rows][:, None] + np.arange(6)
         coordinates = 3 * self.point[rows][:, None] + np.arange(3)
@@ -159,12 +159,12 @@ class ImagePoints:
     def residuals(self, x: Floats) -> tuple[Floats, Floats]:
         """v (k, 2), mm, and the depths (k), m, in the group's order."""
         u, at = self.unknowns, self.distortion(x)
-        projected, depth = project(u.exterior(x), at.interior, u.points(x)[self.point], self.image)
+        projected, depth = project(u.exterior(x), at.interior, u.points(x)[self.point], self.image, u.renamed)
         return projected + at.d - self.xy, depth
 
     def jacobian(self, x: Floats) -> ImagePointJacobian:
         u, distorted = self.unknowns, self.distortion(x)
-        at = linearise(u.exterior(x), distorted.interior, u.points(x)[self.point], self.image)
+        at = linearise(u.exterior(x), distorted.interior, u.points(x)[self.point], self.image, u.renamed)
         self.add_principal_distance(distorted, at.xy)
         return ImagePointJacobian(
             at.xy + distorted.d - self.xy,

@@ -16,7 +16,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from adjust.model import EXTERIOR_NAMES, Unknowns
+from adjust.model import EXTERIOR_NAMES, Unknowns, angles_of, rotation_matrices
 from adjust.observations.group import Linear, Name
 from simfield.block import Block, Floats, Indices
 
@@ -93,8 +93,10 @@ class _Stations:
         return times
 
     def bind(self, layout: Unknowns) -> BoundStations:
+        """Raises ValueError for an attitude along the object's X axis whose angles cannot be taken one by one."""
         seen, element = np.nonzero(np.isfinite(self.values))
         first = FIRST[self.kind]
+        values = self._by_own_axes(layout) if self.kind == "attitude" else self.values
         image = np.array([layout.block.images.ids.index(name) for name in self.image_ids], dtype=np.intp)
         columns = [6 * image[seen] + first + element]
         derivatives = [np.ones(len(seen))]
@@ -111,13 +113,30 @@ class _Stations:
         labels = tuple(f"{self.elements[e]} of image {self.image_ids[i]}" for i, e in zip(seen, element, strict=True))
         return BoundStations(
             f"{self.kind}s",
-            self.values[seen, element] - origin,
+            values[seen, element] - origin,
             1.0 / self.sigma[seen, element] ** 2,
             np.column_stack(columns),
             np.column_stack(derivatives),
             labels,
             self.kind == "attitude",
         )
+
+    def _by_own_axes(self, layout: Unknowns) -> Floats:
+        """(q, 3) the observed angles, those of images with renamed axes by these."""
+        if layout.renamed is None:
+            return self.values
+        values = self.values.copy()
+        for row, name in enumerate(self.image_ids):
+            if layout.renamed[layout.block.images.ids.index(name)]:
+                alike = np.isfinite(values[row]).all() and np.ptp(self.sigma[row]) == 0.0
+                if not alike or self.terms(self.strips[row]):
+                    raise ValueError(
+                        f"attitude of image {name!r}: it looks along the X axis of the object frame, where omega and "
+                        "kappa are one rotation; allowed are all three angles with one standard deviation, and neither "
+                        "offset nor drift"
+                    )
+                values[row] = angles_of(rotation_matrices(values[row : row + 1]), np.ones(1, dtype=bool))[0]
+        return values
 
 
 @dataclass(frozen=True, eq=False)

@@ -127,7 +127,7 @@ def _points(count: int) -> str:
 def _datum_directions(u: Unknowns, x: Floats, scale: Floats) -> Floats:
     """(E, 7) the changes of the scaled orientation unknowns under the seven similarity transformations, normed."""
     exterior = u.exterior(x)
-    moves = station_motions(exterior, _pivot(u, x))
+    moves = station_motions(exterior, _pivot(u, x), u.renamed)
     directions = np.zeros((len(scale), 7))
     directions[: 6 * len(exterior)] = moves.reshape(-1, 7)
     coupled = point_motions(u.points(x), _pivot(u, x)).reshape(-1, 7)[u.coupled]

@@ -58,8 +58,9 @@ class Chord:
         nominal = adjust_block(block, model)
         if not nominal.status.ok:
             raise ValueError(f"the block has no nominal adjustment, {nominal.message}")
-        free = np.flatnonzero(nominal.cofactors.diagonal > 0.0)
-        q = nominal.cofactors.block(free, free)
+        cofactors = nominal.working_cofactors
+        free = np.flatnonzero(cofactors.diagonal > 0.0)
+        q = cofactors.block(free, free)
         s = np.sqrt(np.diag(q))
         return cls(nominal, free, s, (q / s / s[:, None]).astype(np.float32), exact_std)
 
@@ -135,6 +136,12 @@ class Chord:
         lane_copies.give(rows, layout.origin, self.fixed, layout.orientation, room.given, room.start, room.x)
 
     @cached_property
+    def renamed(self) -> npt.NDArray[np.bool_]:
+        """(m): images with renamed axes."""
+        layout = self.nominal.layout
+        return np.zeros(len(layout.block.images), dtype=bool) if layout.renamed is None else layout.renamed
+
+    @cached_property
     def fixed(self) -> npt.NDArray[np.bool_]:
         """(3n): point coordinates that are held fixed."""
         return self.nominal.layout.block.points.fixed.ravel()
@@ -207,9 +214,9 @@ class Chord:
         assert self.gradients is not None
         for number, (compiled, members, first) in enumerate(self.gradients):
             contexts, sums = room.contexts[number], room.sums[number]
-            kernels.fill_contexts(members, x, first, room.turns, contexts)
+            kernels.fill_contexts(members, self.renamed, x, first, room.turns, contexts)
             compiled(members, *self.indices, contexts, layout.orientation, room.xy, x, sums, room.gradient)
-            kernels.collect(members, sums, contexts, room.turns, first, room.gradient, vpv, depth)
+            kernels.collect(members, self.renamed, sums, contexts, room.turns, first, room.gradient, vpv, depth)
         control = self.nominal.groups.control
         if len(control.columns):
             v = x[:, control.columns] - room.given[:, control.columns - layout.orientation]

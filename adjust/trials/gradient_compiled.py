@@ -157,10 +157,11 @@ def sine_and_cosine(angle: Any) -> Any:
 
 
 @numba.njit(cache=True, error_model="numpy")
-def fill_contexts(images: Any, x: Any, parameters: Any, turns: Any, contexts: Any) -> None:
+def fill_contexts(images: Any, renamed: Any, x: Any, parameters: Any, turns: Any, contexts: Any) -> None:
     """Rotation, station and parameters of the images `images` into contexts (tiles, m, 12 + a, WIDTH).
 
-    x (tiles, size, WIDTH); parameters: the first row of the set in x; turns (tiles, m, 2, WIDTH): sine and cosine of
+    renamed (m): images whose angles are by the axes Y, Z, X; x (tiles, size, WIDTH); parameters: the first row of the
+    set in x; turns (tiles, m, 2, WIDTH): sine and cosine of
     omega, which `collect` wants.
     """
     for tile in range(x.shape[0]):
@@ -171,15 +172,16 @@ def fill_contexts(images: Any, x: Any, parameters: Any, turns: Any, contexts: An
             sk, ck = sine_and_cosine(load(station, 5))
             store(turns, so, tile, i, 0)
             store(turns, co, tile, i, 1)
-            store(context, cp * ck, 0)
-            store(context, -cp * sk, 1)
-            store(context, sp, 2)
-            store(context, co * sk + so * sp * ck, 3)
-            store(context, co * ck - so * sp * sk, 4)
-            store(context, -so * cp, 5)
-            store(context, so * sk - co * sp * ck, 6)
-            store(context, so * ck + co * sp * sk, 7)
-            store(context, co * cp, 8)
+            first, second, third = (3, 6, 0) if renamed[i] else (0, 3, 6)
+            store(context, cp * ck, first)
+            store(context, -cp * sk, first + 1)
+            store(context, sp, first + 2)
+            store(context, co * sk + so * sp * ck, second)
+            store(context, co * ck - so * sp * sk, second + 1)
+            store(context, -so * cp, second + 2)
+            store(context, so * sk - co * sp * ck, third)
+            store(context, so * ck + co * sp * sk, third + 1)
+            store(context, co * cp, third + 2)
             for row in range(3):
                 store(context, load(station, row), STATION + row)
             for row in range(contexts.shape[2] - PARAMETERS):
@@ -187,10 +189,13 @@ def fill_contexts(images: Any, x: Any, parameters: Any, turns: Any, contexts: An
 
 
 @numba.njit(cache=True, error_model="numpy")
-def collect(images: Any, sums: Any, contexts: Any, turns: Any, parameters: Any, g: Any, vpv: Any, depth: Any) -> None:
+def collect(
+    images: Any, renamed: Any, sums: Any, contexts: Any, turns: Any, parameters: Any, g: Any, vpv: Any, depth: Any
+) -> None:
     """Add what `gradient_tile` left in sums to g (tiles, size, WIDTH), vpv and depth (tiles, WIDTH).
 
-    The angles turn about the axes e1, R1 e2 and R e3, and a turn about axis a changes vPv / 2 by -a . torque.
+    The angles turn about the axes e1, R1 e2 and R e3, of the renamed axes where `renamed` (m) says so, and a turn
+    about axis a changes vPv / 2 by -a . torque.
     """
     for tile in range(g.shape[0]):
         for i in images:
@@ -198,9 +203,11 @@ def collect(images: Any, sums: Any, contexts: Any, turns: Any, parameters: Any, 
             tx, ty, tz = load(out, 3), load(out, 4), load(out, 5)
             for row in range(3):
                 store(station, -load(out, row), row)
+            store(station, -(load(context, 2) * tx + load(context, 5) * ty + load(context, 8) * tz), 5)
+            if renamed[i]:
+                tx, ty, tz = ty, tz, tx
             store(station, -tx, 3)
             store(station, -(load(turns, tile, i, 1) * ty + load(turns, tile, i, 0) * tz), 4)
-            store(station, -(load(context, 2) * tx + load(context, 5) * ty + load(context, 8) * tz), 5)
             store(vpv, load(vpv, tile) + load(out, VPV), tile)
             store(depth, least(load(out, DEPTH), load(depth, tile)), tile)
             for row in range(sums.shape[2] - PULL):

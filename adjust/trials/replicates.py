@@ -88,12 +88,15 @@ class Replicates:
         return self.sigma0 * self.nominal.unit_weight_um
 
     @property
+    def x(self) -> Floats:
+        """(t, size) the estimates in layout and units of `nominal.layout`, m and rad, the angles as people see them."""
+        return self.nominal.layout.told(self.trials.x)
+
+    @property
     def images(self) -> Floats:
         """(t, m, 6) exterior orientations, m and rad."""
         images = (
-            self.trials.x[:, : 6 * len(self.nominal.block.images)]
-            .reshape(len(self), len(self.nominal.block.images), 6)
-            .copy()
+            self.x[:, : 6 * len(self.nominal.block.images)].reshape(len(self), len(self.nominal.block.images), 6).copy()
         )
         images[:, :, :3] += self.nominal.layout.origin
         return images

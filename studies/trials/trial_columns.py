@@ -110,7 +110,7 @@ def trial_columns(
     role = part.block.points.role
     q = nominal.cofactors.diagonal[layout.orientation :].reshape(-1, 3)
     t = stdtrit(nominal.redundancy, 0.5 + CONFIDENCE / 2.0)
-    x, ok = replicates.trials.x, replicates.ok
+    x, ok = replicates.x, replicates.ok
     found = np.empty((len(DEVIATIONS) - 1, len(x)))
     point_deviations(
         *(x, layout.orientation, part.true - layout.origin, given, layout.origin, role != "control", role == "check"),

@@ -139,7 +139,7 @@ def _design(a: Adjustment) -> tuple[Floats, Floats]:
     g, layout = a.groups.image_points, a.layout
     k = len(g.image)
     full = np.zeros((k, 2, len(a.x)))
-    at = linearise(layout.exterior(a.x), g.interior, layout.points(a.x)[g.point], g.image)
+    at = linearise(layout.exterior(a.x), g.interior, layout.points(a.x)[g.point], g.image, layout.renamed)
     sorted_rows = g.order
     for column in range(6):
         full[sorted_rows, :, 6 * g.image + column] = at.by_exterior[:, :, column]
