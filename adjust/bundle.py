@@ -13,7 +13,7 @@ from adjust.datum import ByControl, Datum
 from adjust.model import ApBy, Unknowns, ap_sets, steep
 from adjust.normals import Arithmetic, Compiled, Plain, by_either
 from adjust.observations import Group, Observations, stated_groups, unknowns_of
-from adjust.solution import Solution, initial, judged, solve
+from adjust.solution import Solution, initial, judged, minimised
 from adjust.status import Status
 from simfield.block import Block, Floats
 from simfield.numerics import one_thread
@@ -76,7 +76,7 @@ def reweighted(a: Adjustment, weights: Floats) -> Adjustment:
     groups = a.groups.with_weights(weights)
     with np.errstate(all="ignore"), one_thread():
         return by_either(
-            groups, isinstance(a.arithmetic, Compiled), lambda by: _answer(groups, solve(groups, a.x, by), by)
+            groups, isinstance(a.arithmetic, Compiled), lambda by: _answer(groups, minimised(groups, a.x, by), by)
         )
 
 
@@ -109,7 +109,7 @@ def _adjusted(groups: Observations, arithmetic: Arithmetic, observations: Sequen
         if layout.renamed is not None:
             unknowns, groups = layout, Observations.of(layout.block, layout, observations)
             arithmetic = Compiled(groups) if isinstance(arithmetic, Compiled) else Plain(groups)
-        solution = judged(solve(groups, x, arithmetic), unknowns, arithmetic)
+        solution = judged(minimised(groups, x, arithmetic), unknowns, arithmetic)
         x = solution.x
         if solution.status.ok or not np.isfinite(x).all() or not steep(unknowns.exterior(x)[:, 3:]).any():
             break

@@ -201,8 +201,13 @@ def _sets_of_images(block: Block, ap_by: Mapping[str, str] | None) -> tuple[list
 
 
 def _origin(block: Block) -> Floats:
-    """The rounded median of what is known, check points apart: they must not touch the result, not even by rounding."""
-    used = block.points.role != "check"
+    """The rounded median of what is known, check points apart: they must not touch the result, not even by rounding.
+
+    What is given of other points may be a placeholder, so it counts only where there is no control.
+    """
+    is_control = block.points.role == "control"
+    has_control = np.isfinite(block.points.coordinates[is_control]).any()
+    used = is_control if has_control else block.points.role != "check"
     known = np.vstack([block.points.coordinates[used], block.images.exterior[:, :3] * [1.0, 1.0, np.nan]])
     origin = np.zeros(3)
     for axis in range(3):

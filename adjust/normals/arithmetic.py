@@ -16,7 +16,7 @@ class Arithmetic(Protocol):
         """What is adjusted."""
 
     def at(self, x: Floats) -> Any:
-        """The normal equations at x, with `finite`, `vpv` and `depth`."""
+        """The normal equations at x, with `finite`, `vpv`, `depth`, their `diagonal`, and `damped(share)`."""
 
     def gradient(self, x: Floats) -> Any:
         """As `at`, but only the gradients, `vpv` and `depth` are needed."""

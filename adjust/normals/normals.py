@@ -13,7 +13,7 @@ radians and mm^-6 alike.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 
 import numpy as np
@@ -56,6 +56,18 @@ class Normals:
         """Whether all numbers are finite."""
         arrays = (self.ee, self.pe, self.pp, self.gradient_e, self.gradient_p)
         return bool(np.isfinite(self.vpv)) and all(bool(np.isfinite(a).all()) for a in arrays)
+
+    @property
+    def diagonal(self) -> Floats:
+        """(size) of the normal equations, orientation first."""
+        return np.concatenate([np.diag(self.ee), np.einsum("nii->ni", self.pp).ravel()])
+
+    def damped(self, share: float) -> Normals:
+        """The same with the diagonal larger by a share."""
+        ee, pp = self.ee.copy(), self.pp.copy()
+        np.einsum("ii->i", ee)[:] *= 1.0 + share
+        np.einsum("nii->ni", pp)[:] *= 1.0 + share
+        return replace(self, ee=ee, pp=pp)
 
 
 def assemble(observations: Observations, x: Floats) -> Normals:

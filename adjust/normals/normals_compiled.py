@@ -10,7 +10,7 @@ Readable form: `adjust.normals.normals.Plain`. Agreement: `tests/adjust/normals/
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -67,6 +67,20 @@ class CompiledNormals(Gradient):
     pe: Floats
     pa: Floats
     pp: Floats
+
+    @property
+    def diagonal(self) -> Floats:
+        """(size) of the normal equations, orientation first."""
+        exterior, points = (np.einsum("nii->ni", each).ravel() for each in (self.ee, self.pp))
+        return np.concatenate([exterior, np.diag(self.aa), points])
+
+    def damped(self, share: float) -> CompiledNormals:
+        """The same with the diagonal larger by a share."""
+        ee, aa, pp = self.ee.copy(), self.aa.copy(), self.pp.copy()
+        np.einsum("ii->i", aa)[:] *= 1.0 + share
+        for blocks in (ee, pp):
+            np.einsum("nii->ni", blocks)[:] *= 1.0 + share
+        return replace(self, ee=ee, aa=aa, pp=pp)
 
 
 @dataclass(frozen=True, eq=False)

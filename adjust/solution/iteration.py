@@ -44,15 +44,15 @@ class Solution:
     iterations: int
 
 
-def solve(observations: Observations, start: Floats, arithmetic: Arithmetic) -> Solution:
-    """Minimise vPv from `start`."""
+def solve(observations: Observations, start: Floats, arithmetic: Arithmetic, most: int = ITERATIONS_MOST) -> Solution:
+    """Minimise vPv from `start`, in `most` steps at most."""
     rounding = ROUNDING * observations.magnitude
     x, normals = start, arithmetic.at(start)
     if not normals.depth > 0.0:
         return Solution(start, Status.BEHIND_CAMERA, points_behind(observations, start), 0)
     factor: Any = None
     chord, length = False, np.inf
-    for iteration in range(1, ITERATIONS_MOST + 1):
+    for iteration in range(1, most + 1):
         if not normals.finite:
             return Solution(x, Status.NOT_FINITE, _not_finite(observations, iteration), iteration)
         try:
@@ -75,8 +75,8 @@ def solve(observations: Observations, start: Floats, arithmetic: Arithmetic) -> 
         if advanced is None:
             return _given_up(observations, x, _stuck(observations, x + step, length), iteration, arithmetic)
         x, normals, chord = advanced
-    detail = f"after {ITERATIONS_MOST} iterations the last step was {length:.2g} standard deviations"
-    return _given_up(observations, x, (Status.NOT_CONVERGED, detail), ITERATIONS_MOST, arithmetic)
+    detail = f"after {most} iterations the last step was {length:.2g} standard deviations"
+    return _given_up(observations, x, (Status.NOT_CONVERGED, detail), most, arithmetic)
 
 
 def _advance(

@@ -20,7 +20,7 @@ from adjust.ap_models import ApModel
 from adjust.bundle import adjust_block
 from adjust.normals import Cofactors, Compiled
 from adjust.observations import Observations
-from adjust.solution import solve
+from adjust.solution import minimised
 from adjust.status import Status
 from adjust.trials import gradient_compiled as kernels, lane_copies_compiled as lane_copies
 from adjust.trials.gradient_compiled import TILES
@@ -237,7 +237,7 @@ class Chord:
         layout = self.nominal.layout
         start, fixed = self.nominal.x.copy(), layout.block.points.fixed.ravel()
         start[layout.orientation :][fixed] = reduced[fixed]
-        solution = solve(groups, start, Compiled(groups))
+        solution = minimised(groups, start, Compiled(groups))
         trials.x[trial] = solution.x if solution.status.ok else np.nan
         trials.vpv[trial] = groups.cost(solution.x) if solution.status.ok else np.nan
         trials.status[trial] = STATUSES.index(solution.status)
