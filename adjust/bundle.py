@@ -10,16 +10,13 @@ from adjust.adjustment import Adjustment
 from adjust.ap_models import ApModel
 from adjust.ap_models.catalogue import NoModel
 from adjust.datum import ByControl, Datum
-from adjust.model import ApBy, Unknowns, ap_sets, steep
+from adjust.model import ApBy, Unknowns, ap_sets
 from adjust.normals import Arithmetic, Compiled, Plain, by_either
 from adjust.observations import Group, Observations, stated_groups, unknowns_of
-from adjust.solution import Solution, initial, judged, minimised
+from adjust.solution import Reached, Solution, initial, minimised, reached
 from adjust.status import Status
 from simfield.block import Block, Floats
 from simfield.numerics import one_thread
-
-RENAMINGS_MOST = 3
-"""how often an iteration that came to an image along the object's X axis is begun again there, by other angles"""
 
 
 def adjust_block(
@@ -65,7 +62,7 @@ def adjust_block(
     # what is not finite ends with a status, not with a warning
     with np.errstate(all="ignore"), one_thread():
         groups = Observations.of(block, unknowns, observations)
-        return datum.finished(by_either(groups, compiled, lambda by: _adjusted(groups, by, observations)))
+        return datum.finished(by_either(groups, compiled, lambda by: _told(reached(groups, by, observations))))
 
 
 def reweighted(a: Adjustment, weights: Floats) -> Adjustment:
@@ -86,31 +83,11 @@ def _answer(groups: Observations, solution: Solution, arithmetic: Arithmetic) ->
     return Adjustment(u.block, u, groups, solution.x, solution.status, sentence, solution.iterations, arithmetic)
 
 
+def _told(r: Reached) -> Adjustment:
+    return _answer(r.groups, r.solution, r.arithmetic)
+
+
 def _without_datum(block: Block, model: ApModel | Mapping[str, ApModel], why: str) -> Adjustment:
     unknowns = Unknowns.of(block, model)
     groups = Observations.of(block, unknowns)
     return _answer(groups, Solution(np.full(len(unknowns.free), np.nan), Status.NO_START, why, 0), Plain(groups))
-
-
-def _adjusted(groups: Observations, arithmetic: Arithmetic, observations: Sequence[Group]) -> Adjustment:
-    """The answer; observations are the further groups as they were stated."""
-    unknowns = groups.image_points.unknowns
-    nothing = np.full(len(unknowns.free), np.nan)
-    redundancy = groups.count - unknowns.count
-    if redundancy <= 0:
-        detail = f"{groups.count} observations for {unknowns.count} unknowns, redundancy {redundancy}"
-        return _answer(groups, Solution(nothing, Status.TOO_LITTLE_REDUNDANCY, detail, 0), arithmetic)
-    try:
-        x = initial.values(unknowns, groups.image_points)
-    except initial.NoStartError as error:
-        return _answer(groups, Solution(nothing, Status.NO_START, str(error), 0), arithmetic)
-    for _ in range(RENAMINGS_MOST):
-        layout, x = unknowns.with_renamed(x)
-        if layout.renamed is not None:
-            unknowns, groups = layout, Observations.of(layout.block, layout, observations)
-            arithmetic = Compiled(groups) if isinstance(arithmetic, Compiled) else Plain(groups)
-        solution = judged(minimised(groups, x, arithmetic), unknowns, arithmetic)
-        x = solution.x
-        if solution.status.ok or not np.isfinite(x).all() or not steep(unknowns.exterior(x)[:, 3:]).any():
-            break
-    return _answer(groups, solution, arithmetic)

@@ -8,6 +8,8 @@ defect, it does not mend one.
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 from adjust.normals import Arithmetic, SingularError
 from adjust.observations import Observations
 from adjust.solution.iteration import ITERATIONS_MOST, Solution, solve
@@ -22,11 +24,19 @@ SHORT = 1e-2
 """standard deviations; from here Gauss-Newton is at home"""
 FINISH_MOST = 10 * ITERATIONS_MOST
 """steps of the finish: where residuals are large it contracts slowly"""
-WORTH_TRYING = (Status.NOT_CONVERGED, Status.BEHIND_CAMERA, Status.NOT_FINITE, Status.SINGULAR)
+WORTH_TRYING = (Status.NOT_CONVERGED, Status.BEHIND_CAMERA, Status.NOT_FINITE)
 
 
-def minimised(observations: Observations, start: Floats, arithmetic: Arithmetic) -> Solution:
-    """The minimum of vPv from `start`: by Gauss-Newton, and where that fails by damped steps and Gauss-Newton."""
+def minimised(
+    observations: Observations,
+    start: Floats,
+    arithmetic: Arithmetic,
+    believed: Callable[[Floats], bool] = lambda x: True,
+) -> Solution:
+    """The minimum of vPv from `start`: by Gauss-Newton, and where that fails by damped steps and Gauss-Newton.
+
+    believed: whether a minimum at x that damped steps led to may be the answer; they go far where a start is wrong.
+    """
     found = solve(observations, start, arithmetic)
     if found.status not in WORTH_TRYING:
         return found
@@ -34,7 +44,7 @@ def minimised(observations: Observations, start: Floats, arithmetic: Arithmetic)
     if not steps:
         return found
     again = solve(observations, nearer, arithmetic, FINISH_MOST)
-    if not again.status.ok:
+    if not again.status.ok or not believed(again.x):
         return found
     return Solution(again.x, again.status, again.detail, found.iterations + steps + again.iterations)
 

@@ -7,17 +7,15 @@ from __future__ import annotations
 
 import numpy as np
 
-from adjust.model import Unknowns, angles_of, rotation_matrices
+from adjust.model import Unknowns, rotation_matrices
 from adjust.normals import add_rays
 from adjust.observations import ImagePoints
-from adjust.solution.resection import resected
+from adjust.solution.pose_choice import hypotheses, settled
 from adjust.status import CHECK_START
 from simfield.block import Block, Floats
 
 NARROW = 1e-6
 """share of the weakest direction at which rays count as parallel"""
-
-
 NEAR = 0.87
 """cosine of 30 degrees: a ray that misses the approximate coordinates of its point by more says nothing of them"""
 
@@ -26,19 +24,23 @@ class NoStartError(ValueError):
     """No start value could be found for something that is named."""
 
 
-def values(unknowns: Unknowns, image_points: ImagePoints) -> Floats:
-    """The working vector x to start from; additional parameters start at zero. Raises NoStartError."""
+def values(unknowns: Unknowns, image_points: ImagePoints, place: int = 0, given: bool = True) -> Floats:
+    """The working vector x to start from; additional parameters start at zero. Raises NoStartError.
+
+    place: where images without orientation have several poses, 0 starts from those that agree best, 1 from the next.
+    given: whether the orientations of the block are taken, else all are made.
+    """
     block = unknowns.block
-    exterior = block.images.exterior.copy()
+    exterior = block.images.exterior.copy() if given else np.full((len(block.images), 6), np.nan)
     exterior[:, :3] -= unknowns.origin
     points = np.where((block.points.role == "check")[:, None], np.nan, block.points.coordinates - unknowns.origin)
-    _complete(exterior, points, image_points)
+    _complete(exterior, points, image_points, place)
     x = np.concatenate([exterior.ravel(), np.zeros(unknowns.orientation - exterior.size), points.ravel()])
     x[unknowns.places] = points.ravel()
     return x
 
 
-def _complete(exterior: Floats, points: Floats, image_points: ImagePoints) -> None:
+def _complete(exterior: Floats, points: Floats, image_points: ImagePoints, place: int) -> None:
     """Fill the gaps of exterior (m, 6) and points (n, 3) in place, in turns until nothing is missing."""
     block = image_points.unknowns.block
     on_level = not np.isnan(exterior[:, 0]).any()
@@ -47,9 +49,8 @@ def _complete(exterior: Floats, points: Floats, image_points: ImagePoints) -> No
         missing = [int(i) for i in np.flatnonzero(np.isnan(exterior[:, 0]))]
         if not missing and on_level:
             break
-        # three points leave up to four poses, so images with more of them come first
-        oriented = [i for i in missing if _orient(i, exterior, points, image_points, 4)]
-        oriented = oriented or [i for i in missing if on_level and _orient(i, exterior, points, image_points, 3)]
+        oriented = _orient(missing, exterior, points, image_points, place, on_level)
+        place = 0 if oriented else place
         if not oriented and on_level:
             raise NoStartError(
                 f"image {block.images.ids[missing[0]]} has no approximate orientation, "
@@ -58,9 +59,21 @@ def _complete(exterior: Floats, points: Floats, image_points: ImagePoints) -> No
         # points are laid on the ground only where nothing else is left: oblique rays meet it anywhere
         on_level = not oriented
     _meet_again(exterior, points, image_points)
+    _lay_on_rays(exterior, points, image_points)
     lost = np.isnan(points).any(axis=1)
     if lost.any():
         raise NoStartError(_lost(block, [int(i) for i in np.flatnonzero(lost)]))
+
+
+def _orient(
+    missing: list[int], exterior: Floats, points: Floats, image_points: ImagePoints, place: int, last: bool
+) -> bool:
+    """Give a pose to images that the known points leave one, else to those that another image settles."""
+    poses = {i: found for i in missing if (found := hypotheses(i, points, image_points, last))}
+    sure = {i: found[0] for i, found in poses.items() if len(found) == 1}
+    for image, pose in (sure or (settled(poses, exterior, points, image_points, place) if poses else {})).items():
+        exterior[image] = pose
+    return bool(poses)
 
 
 def _lost(block: Block, points: list[int]) -> str:
@@ -111,6 +124,21 @@ def _intersect(exterior: Floats, points: Floats, image_points: ImagePoints, on_l
     points[gaps] = found[gaps]
 
 
+def _lay_on_rays(exterior: Floats, points: Floats, image_points: ImagePoints) -> None:
+    """Points whose two or more rays do not meet in front of the cameras are laid on them, as far away as the others."""
+    g = image_points
+    station, direction = _rays(exterior, g)
+    lost = np.isnan(points).any(axis=1)
+    distance = np.linalg.norm(points[g.point] - station, axis=1)
+    if not lost.any() or not np.isfinite(distance).any():
+        return
+    place = station + np.nanmedian(distance) * direction
+    for point in np.flatnonzero(lost):
+        rows = g.point == point
+        if rows.sum() >= 2:
+            points[point] = place[rows].mean(axis=0)
+
+
 def _meet_again(exterior: Floats, points: Floats, image_points: ImagePoints) -> None:
     """Intersect anew what is no control and lies behind a camera or far from its rays: an approximate value that is
     none, such as 0, 0, 0.
@@ -126,46 +154,3 @@ def _meet_again(exterior: Floats, points: Floats, image_points: ImagePoints) -> 
         _intersect(exterior, points, g)
         still = np.isnan(points[loose]).any(axis=1)
         points[np.flatnonzero(loose)[still]] = given[still]
-
-
-def _orient(image: int, exterior: Floats, points: Floats, image_points: ImagePoints, least: int) -> bool:
-    """Start an image from its points with known coordinates, `least` or more: as a vertical one, or by resection,
-    whichever leaves the smaller residuals.
-    """
-    g = image_points
-    rows = np.arange(g.starts[image], g.starts[image + 1])
-    known = points[g.point[rows]]
-    rows, known = rows[np.isfinite(known).all(axis=1)], known[np.isfinite(known).all(axis=1)]
-    if len(rows) < least:
-        return False
-    c, principal = g.interior[image, 0], g.interior[image, 1:]
-    camera = np.column_stack([g.xy[rows] - principal, np.full(len(rows), -c)])
-    candidates = _vertical(camera, known)
-    for station, rotation in resected(camera / np.linalg.norm(camera, axis=1, keepdims=True), known):
-        candidates.append(np.concatenate([station, angles_of(rotation[None])[0]]))
-    if not candidates:
-        return False
-    exterior[image] = min(candidates, key=lambda each: _misfit(each, camera, known))
-    return True
-
-
-def _vertical(camera: Floats, known: Floats) -> list[Floats]:
-    """The vertical image over known points (k, 3), by a plane similarity, seen along (k, 3) of the camera frame, mm."""
-    z_image, z_object = camera[:, :2] @ [1.0, 1.0j], known[:, :2] @ [1.0, 1.0j]
-    design = np.column_stack([z_image, np.ones(len(known))])
-    (turn, shift), *_ = np.linalg.lstsq(design, z_object, rcond=None)
-    height = -camera[0, 2] * abs(turn) + known[:, 2].mean()
-    return [np.array([shift.real, shift.imag, height, 0.0, 0.0, np.angle(turn)])] if abs(turn) > 0.0 else []
-
-
-def _misfit(exterior: Floats, camera: Floats, known: Floats) -> tuple[int, float]:
-    """Points behind the camera, and the mean distance in the image, mm, by which known points are missed; of three
-    points, which many poses fit, the tilt."""
-    rotation = rotation_matrices(exterior[None, 3:])[0]
-    seen = (known - exterior[:3]) @ rotation
-    behind = int(np.sum(seen[:, 2] >= 0.0))
-    if len(known) == 3 and not behind:
-        return behind, float(1.0 - rotation[2, 2])
-    with np.errstate(all="ignore"):
-        missed = np.linalg.norm(camera[:, 2:] * seen[:, :2] / seen[:, 2:] - camera[:, :2], axis=1)
-    return behind, float(missed.mean())

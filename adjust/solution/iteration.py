@@ -25,6 +25,8 @@ ERROR_LEFT = 1e-9
 CHORD_BELOW = 100.0
 CONTRACTION_MOST = 0.05
 """a chord step that contracts less asks for new normal equations"""
+CONTRACTION_LEAST = 0.01
+"""less is not believed: the first steps near a minimum show how the bulk of the error contracts, not all of it"""
 ROUNDING = 16 * np.finfo(float).eps
 ITERATIONS_MOST = 50
 SMALL_STEP = 1e-7
@@ -63,7 +65,7 @@ def solve(observations: Observations, start: Floats, arithmetic: Arithmetic, mos
         step, length = factor.step(normals)
         if not np.isfinite(length):
             return Solution(x, Status.NOT_FINITE, _not_finite(observations, iteration), iteration)
-        contraction = min(length / before, 0.5) if np.isfinite(before) else 0.5
+        contraction = min(max(length / before, CONTRACTION_LEAST), 0.5) if np.isfinite(before) else 0.5
         if length <= rounding or length * contraction / (1.0 - contraction) <= ERROR_LEFT:
             return Solution(x + step, Status.CONVERGED, "", iteration)
         # a factorisation on the verge of singularity must be made anew at the end, where it may be singular

@@ -15,8 +15,8 @@ from adjust.model import Similarity
 from simfield.block import Floats
 
 TRIPLES_MOST = 24
-REAL = 1e-6
-"""share of the imaginary part up to which a root of the quartic is taken for a double real one"""
+REAL = 0.1
+"""share of the imaginary part up to which a root of the quartic is taken for a double real one that noise has parted"""
 NARROW_TRIANGLE = 1e-6
 
 

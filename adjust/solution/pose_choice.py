@@ -1,0 +1,154 @@
+"""Which pose an image has, where the points known in it leave several: three points do, and four seen from afar.
+
+What one image leaves open, two may settle: the rays of the points that they share have to meet.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from itertools import product
+
+import numpy as np
+
+from adjust.model import angles_of, rotation_matrices
+from adjust.observations import ImagePoints
+from adjust.solution.resection import resected
+from simfield.block import Floats, Indices
+
+ALIKE_FACTOR, ALIKE_SIGMAS = 3.0, 4.0
+"""poses whose mean misfit is no larger than so many times that of the best, and so many standard deviations, stay"""
+SAME_ANGLE, SAME_SHARE = 0.03, 0.02
+"""rad, and share of the distance to the points, within which two poses are one"""
+POSES_MOST, PAIRS_MOST = 8, 12
+BEHIND_MM = 1e3
+"""what a point behind a camera counts as"""
+UP_WEIGHT = 1e-3
+"""of the tilt, by which poses are sorted that fit as well"""
+
+
+def hypotheses(image: int, points: Floats, g: ImagePoints, last: bool = False) -> list[Floats]:
+    """The poses (6) that the known points (n, 3) of an image, three at least, cannot tell apart, the best first.
+
+    last: where three points have none, the vertical image that fits them as well as it can.
+    """
+    rows = np.arange(g.starts[image], g.starts[image + 1])
+    rows = rows[np.isfinite(points[g.point[rows]]).all(axis=1)]
+    if len(rows) < 3:
+        return []
+    known, camera = points[g.point[rows]], _camera(image, rows, g)
+    candidates = _vertical(camera, known)
+    for station, rotation in resected(camera / np.linalg.norm(camera, axis=1, keepdims=True), known):
+        candidates.append(np.concatenate([station, angles_of(rotation[None])[0]]))
+    misfits = [float(np.mean(_missed(each, camera, known))) for each in candidates]
+    ranks = [m + UP_WEIGHT * _tilt(each) for m, each in zip(misfits, candidates, strict=True)]
+    if len(rows) == 3 and not (last and len(candidates) == 1):  # all that fit three points are as good
+        candidates, misfits, ranks = candidates[1:], misfits[1:], ranks[1:]
+    if not candidates:
+        return []
+    sigma_mm = float(np.mean(1.0 / np.sqrt(np.where(g.weight[rows] > 0.0, g.weight[rows], np.nan))))
+    most = ALIKE_FACTOR * min(misfits) + ALIKE_SIGMAS * (sigma_mm if len(rows) > 3 else np.inf)
+    chosen: list[Floats] = []
+    for number in np.argsort(ranks):
+        alike = any(_same(candidates[number], other, known) for other in chosen)
+        if not misfits[number] > most and not alike and len(chosen) < POSES_MOST:
+            chosen.append(candidates[number])
+    return chosen
+
+
+def settled(
+    open_ones: Mapping[int, Sequence[Floats]], exterior: Floats, points: Floats, g: ImagePoints, place: int = 0
+) -> dict[int, Floats]:
+    """Of images with several poses, one or two with the poses that agree best with another image: by image, the pose.
+
+    exterior (m, 6) has the images that are oriented already, NaN elsewhere. place: 0 is the best answer, 1 the next.
+    """
+    poses: dict[int, Sequence[Floats]] = dict(open_ones)
+    poses |= {int(i): [exterior[i]] for i in np.flatnonzero(np.isfinite(exterior[:, 0]))}
+    by_pair = []
+    for first, second, left, right in _pairs(open_ones, poses, g):
+        answers = []
+        for a, b in product(poses[first], poses[second]):
+            score = _disagreement((first, a, left), (second, b, right), points, g)
+            answers.append((score, {i: p for i, p in ((first, a), (second, b)) if i in open_ones}))
+        by_pair.append(sorted(answers, key=lambda answer: answer[0]))
+    if not by_pair:
+        image, own = next(iter(open_ones.items()))
+        return {image: own[min(place, len(own) - 1)]}
+    best = min(by_pair, key=lambda answers: answers[0][0])
+    return best[min(place, len(best) - 1)][1]
+
+
+def _pairs(
+    open_ones: Mapping[int, Sequence[Floats]], poses: Mapping[int, Sequence[Floats]], g: ImagePoints
+) -> Iterator[tuple[int, int, Indices, Indices]]:
+    """Pairs of images of which one at least is open, with the rows of the points that they share; most points first."""
+    found = []
+    for first in open_ones:
+        for second in poses:
+            if second != first and (second not in open_ones or second > first):
+                a, b = (np.arange(g.starts[i], g.starts[i + 1]) for i in (first, second))
+                _, at, there = np.intersect1d(g.point[a], g.point[b], return_indices=True)
+                if len(at) > 3:
+                    found.append((first, second, a[at], b[there]))
+    yield from sorted(found, key=lambda pair: -len(pair[2]))[:PAIRS_MOST]
+
+
+def _disagreement(
+    one: tuple[int, Floats, Indices], other: tuple[int, Floats, Indices], points: Floats, g: ImagePoints
+) -> float:
+    """The mean distance in the image, mm, by which two poses miss the points that they share, intersected or known."""
+    stations, directions, cameras = [], [], []
+    for image, pose, rows in (one, other):
+        camera = _camera(image, rows, g)
+        ray = camera @ rotation_matrices(pose[None, 3:])[0].T
+        stations.append(pose[:3])
+        directions.append(ray / np.linalg.norm(ray, axis=1, keepdims=True))
+        cameras.append(camera)
+    place = _between(*stations, *directions)
+    known = points[g.point[one[2]]]
+    place = np.where(np.isfinite(known), known, place)
+    return float(np.mean([_missed(pose, c, place) for (_, pose, _), c in zip((one, other), cameras, strict=True)]))
+
+
+def _between(first: Floats, second: Floats, a: Floats, b: Floats) -> Floats:
+    """(k, 3) the points midway between two rays each, from two stations along unit directions a, b (k, 3)."""
+    base = second - first
+    c = np.sum(a * b, axis=1)
+    with np.errstate(all="ignore"):
+        s = (a @ base - c * (b @ base)) / (1.0 - c**2)
+        t = (c * (a @ base) - b @ base) / (1.0 - c**2)
+    return np.asarray(0.5 * (first + s[:, None] * a + second + t[:, None] * b))
+
+
+def _camera(image: int, rows: Indices, g: ImagePoints) -> Floats:
+    """(k, 3) image points in the camera frame, mm."""
+    return np.column_stack([g.xy[rows] - g.interior[image, 1:], np.full(len(rows), -g.interior[image, 0])])
+
+
+def _vertical(camera: Floats, known: Floats) -> list[Floats]:
+    """The vertical image over known points (k, 3), by a plane similarity, seen along (k, 3) of the camera frame, mm."""
+    z_image, z_object = camera[:, :2] @ [1.0, 1.0j], known[:, :2] @ [1.0, 1.0j]
+    design = np.column_stack([z_image, np.ones(len(known))])
+    (turn, shift), *_ = np.linalg.lstsq(design, z_object, rcond=None)
+    height = -camera[0, 2] * abs(turn) + known[:, 2].mean()
+    return [np.array([shift.real, shift.imag, height, 0.0, 0.0, np.angle(turn)])] if abs(turn) > 0.0 else []
+
+
+def _missed(pose: Floats, camera: Floats, known: Floats) -> Floats:
+    """(k) the distances in the image, mm, by which points (k, 3) are missed."""
+    seen = (known - pose[:3]) @ rotation_matrices(pose[None, 3:])[0]
+    with np.errstate(all="ignore"):
+        missed = np.linalg.norm(camera[:, 2:] * seen[:, :2] / seen[:, 2:] - camera[:, :2], axis=1)
+    return np.where((seen[:, 2] < 0.0) & np.isfinite(missed), missed, BEHIND_MM)
+
+
+def _tilt(pose: Floats) -> float:
+    """1 minus the cosine of the tilt."""
+    return float(1.0 - rotation_matrices(pose[None, 3:])[0, 2, 2])
+
+
+def _same(one: Floats, other: Floats, known: Floats) -> bool:
+    first, second = (rotation_matrices(each[None, 3:])[0] for each in (one, other))
+    turned = np.arccos(np.clip((np.trace(first.T @ second) - 1.0) / 2.0, -1.0, 1.0))
+    distance = np.linalg.norm(known.mean(axis=0) - one[:3])
+    return bool(turned < SAME_ANGLE and np.linalg.norm(one[:3] - other[:3]) < SAME_SHARE * distance)
