@@ -19,12 +19,12 @@ from simfield.block import Floats
 FIRST_DAMPING = 1e-3
 DAMPING_MOST = 1e12
 GAIN_LEAST = 1e-4
-STEPS_MOST = 300
 SHORT = 1e-2
 """standard deviations; from here Gauss-Newton is at home"""
-FINISH_MOST = 10 * ITERATIONS_MOST
+SLOWLY = 10 * ITERATIONS_MOST
 """steps of the finish: where residuals are large it contracts slowly"""
-WORTH_TRYING = (Status.NOT_CONVERGED, Status.BEHIND_CAMERA, Status.NOT_FINITE)
+WORTH_TRYING = {Status.NOT_CONVERGED: 300, Status.BEHIND_CAMERA: 300, Status.NOT_FINITE: 300, Status.SINGULAR: 20}
+"""damped steps at most: what is singular at the start may not be so at the minimum, but in most cases it is"""
 
 
 def minimised(
@@ -40,22 +40,22 @@ def minimised(
     found = solve(observations, start, arithmetic)
     if found.status not in WORTH_TRYING:
         return found
-    nearer, steps = damped(start, arithmetic)
+    nearer, steps = damped(start, arithmetic, WORTH_TRYING[found.status])
     if not steps:
         return found
-    again = solve(observations, nearer, arithmetic, FINISH_MOST)
+    again = solve(observations, nearer, arithmetic, ITERATIONS_MOST if found.status is Status.SINGULAR else SLOWLY)
     if not again.status.ok or not believed(again.x):
         return found
     return Solution(again.x, again.status, again.detail, found.iterations + steps + again.iterations)
 
 
-def damped(start: Floats, arithmetic: Arithmetic) -> tuple[Floats, int]:
-    """Where damped steps lead from `start`, and how many were taken: 0 where there is none that lowers vPv."""
+def damped(start: Floats, arithmetic: Arithmetic, most: int) -> tuple[Floats, int]:
+    """Where `most` tries of damped steps lead from `start`, and how many were taken: 0 where none lowers vPv."""
     x, normals = start, arithmetic.at(start)
     if not normals.finite:
         return start, 0
     damping, faster, taken = FIRST_DAMPING, 2.0, 0
-    for _ in range(STEPS_MOST):
+    for _ in range(most):
         try:
             step, length = arithmetic.factorise(normals.damped(damping), 0.0).step(normals)
         except SingularError:
