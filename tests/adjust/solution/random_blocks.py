@@ -59,7 +59,11 @@ def case(seed: int) -> Case | None:
         exterior += g.normal(size=(m, 6)) * np.repeat([10.0, np.deg2rad(2.0)], 3)
     block = Block(
         (Camera("c", c, 0.0, 0.0, 200.0, 200.0),),
-        Images(tuple(f"i{i}" for i in range(m)), np.zeros(m, dtype=np.intp), exterior if start != "none" else np.full((m, 6), np.nan)),
+        Images(
+            tuple(f"i{i}" for i in range(m)),
+            np.zeros(m, dtype=np.intp),
+            exterior if start != "none" else np.full((m, 6), np.nan),
+        ),
         Points(
             tuple(f"p{i}" for i in range(n)),
             np.where(is_control, "control", "tie"),
@@ -104,7 +108,7 @@ class Dense:
     case: Case
 
     def minimum(self) -> tuple[float, float]:
-        """vPv at the minimum that scipy finds from the truth, and the least singular value of the design matrix there."""
+        """vPv at the minimum that scipy finds from the truth, and the least singular value of the design there."""
         block = self.case.block
         m, free = len(block.images), ~block.points.fixed
         start = np.concatenate([self.case.stations.ravel(), np.zeros(3 * m), self.case.points[free]])
@@ -115,7 +119,7 @@ class Dense:
 
         def numerical(x: Floats) -> Floats:
             # the derivatives by the rotation vector itself: those of small rotations after it, times its own
-            v, jacobian = at(x)
+            _, jacobian = at(x)
             for i in range(m):
                 columns = slice(3 * m + 3 * i, 3 * m + 3 * i + 3)
                 jacobian[:, columns] = jacobian[:, columns] @ _left_jacobian(x[columns])
