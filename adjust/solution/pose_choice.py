@@ -9,6 +9,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from itertools import product
 
 import numpy as np
+import numpy.typing as npt
 
 from adjust.model import angles_of, rotation_matrices
 from adjust.observations import ImagePoints
@@ -39,20 +40,22 @@ def hypotheses(image: int, points: Floats, g: ImagePoints, last: bool = False) -
     candidates = _vertical(camera, known)
     for station, rotation in resected(camera / np.linalg.norm(camera, axis=1, keepdims=True), known):
         candidates.append(np.concatenate([station, angles_of(rotation[None])[0]]))
-    misfits = [float(np.mean(_missed(each, camera, known))) for each in candidates]
-    ranks = [m + UP_WEIGHT * _tilt(each) for m, each in zip(misfits, candidates, strict=True)]
     if len(rows) == 3 and not (last and len(candidates) == 1):  # all that fit three points are as good
-        candidates, misfits, ranks = candidates[1:], misfits[1:], ranks[1:]
+        candidates = candidates[1:]
     if not candidates:
         return []
+    poses = np.array(candidates)
+    rotations = rotation_matrices(poses[:, 3:])
+    misfits = _missed(poses, rotations, camera, known).mean(axis=1)
+    ranks = misfits + UP_WEIGHT * (1.0 - rotations[:, 2, 2])  # of those that fit as well the least tilted one first
     sigma_mm = float(np.mean(1.0 / np.sqrt(np.where(g.weight[rows] > 0.0, g.weight[rows], np.nan))))
-    most = ALIKE_FACTOR * min(misfits) + ALIKE_SIGMAS * (sigma_mm if len(rows) > 3 else np.inf)
-    chosen: list[Floats] = []
+    most = ALIKE_FACTOR * misfits.min() + ALIKE_SIGMAS * (sigma_mm if len(rows) > 3 else np.inf)
+    same = _same(poses, rotations, known)
+    chosen: list[int] = []
     for number in np.argsort(ranks):
-        alike = any(_same(candidates[number], other, known) for other in chosen)
-        if not misfits[number] > most and not alike and len(chosen) < POSES_MOST:
-            chosen.append(candidates[number])
-    return chosen
+        if not misfits[number] > most and not same[number, chosen].any() and len(chosen) < POSES_MOST:
+            chosen.append(int(number))
+    return list(poses[chosen])
 
 
 def settled(
@@ -97,17 +100,17 @@ def _disagreement(
     one: tuple[int, Floats, Indices], other: tuple[int, Floats, Indices], points: Floats, g: ImagePoints
 ) -> float:
     """The mean distance in the image, mm, by which two poses miss the points that they share, intersected or known."""
-    stations, directions, cameras = [], [], []
+    stations, directions, seen = [], [], []
     for image, pose, rows in (one, other):
-        camera = _camera(image, rows, g)
-        ray = camera @ rotation_matrices(pose[None, 3:])[0].T
+        camera, rotation = _camera(image, rows, g), rotation_matrices(pose[None, 3:])
+        ray = camera @ rotation[0].T
         stations.append(pose[:3])
         directions.append(ray / np.linalg.norm(ray, axis=1, keepdims=True))
-        cameras.append(camera)
+        seen.append((pose[None], rotation, camera))
     place = _between(*stations, *directions)
     known = points[g.point[one[2]]]
     place = np.where(np.isfinite(known), known, place)
-    return float(np.mean([_missed(pose, c, place) for (_, pose, _), c in zip((one, other), cameras, strict=True)]))
+    return float(np.mean([_missed(*each, place) for each in seen]))
 
 
 def _between(first: Floats, second: Floats, a: Floats, b: Floats) -> Floats:
@@ -134,21 +137,18 @@ def _vertical(camera: Floats, known: Floats) -> list[Floats]:
     return [np.array([shift.real, shift.imag, height, 0.0, 0.0, np.angle(turn)])] if abs(turn) > 0.0 else []
 
 
-def _missed(pose: Floats, camera: Floats, known: Floats) -> Floats:
-    """(k) the distances in the image, mm, by which points (k, 3) are missed."""
-    seen = (known - pose[:3]) @ rotation_matrices(pose[None, 3:])[0]
+def _missed(poses: Floats, rotations: Floats, camera: Floats, known: Floats) -> Floats:
+    """(p, k) the distances in the image, mm, by which poses (p, 6), their R (p, 3, 3), miss points (k, 3)."""
+    seen = (known - poses[:, None, :3]) @ rotations
     with np.errstate(all="ignore"):
-        missed = np.linalg.norm(camera[:, 2:] * seen[:, :2] / seen[:, 2:] - camera[:, :2], axis=1)
-    return np.where((seen[:, 2] < 0.0) & np.isfinite(missed), missed, BEHIND_MM)
+        missed = np.linalg.norm(camera[:, 2:] * seen[..., :2] / seen[..., 2:] - camera[:, :2], axis=-1)
+    return np.where((seen[..., 2] < 0.0) & np.isfinite(missed), missed, BEHIND_MM)
 
 
-def _tilt(pose: Floats) -> float:
-    """1 minus the cosine of the tilt."""
-    return float(1.0 - rotation_matrices(pose[None, 3:])[0, 2, 2])
-
-
-def _same(one: Floats, other: Floats, known: Floats) -> bool:
-    first, second = (rotation_matrices(each[None, 3:])[0] for each in (one, other))
-    turned = np.arccos(np.clip((np.trace(first.T @ second) - 1.0) / 2.0, -1.0, 1.0))
-    distance = np.linalg.norm(known.mean(axis=0) - one[:3])
-    return bool(turned < SAME_ANGLE and np.linalg.norm(one[:3] - other[:3]) < SAME_SHARE * distance)
+def _same(poses: Floats, rotations: Floats, known: Floats) -> npt.NDArray[np.bool_]:
+    """(p, p): which of the poses (p, 6), their R (p, 3, 3), are one."""
+    cosine = (np.einsum("pij,qij->pq", rotations, rotations) - 1.0) / 2.0
+    stations = poses[:, :3]
+    apart = np.linalg.norm(stations[:, None] - stations, axis=-1)
+    near = SAME_SHARE * np.linalg.norm(known.mean(axis=0) - stations, axis=1)
+    return np.asarray((cosine > np.cos(SAME_ANGLE)) & (apart < near[:, None]))

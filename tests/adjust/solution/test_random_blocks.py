@@ -43,9 +43,9 @@ def tried(seeds: range) -> tuple[Counter[str], list[str]]:
 
 
 def test_blocks_weak_and_strong_are_solved_like_dense_ones() -> None:
-    solved, faults = tried(range(120))
+    solved, faults = tried(range(90))
     assert faults == []
-    assert all(solved[kind] >= 10 for kind in (*KINDS, *STARTS))
+    assert all(solved[kind] >= 8 for kind in (*KINDS, *STARTS))
 
 
 @pytest.mark.slow
