@@ -88,6 +88,10 @@ class Adjustment:
         """The adjustment with regular normal equations and the same residuals: this one, unless the datum is free."""
         return self
 
+    def tied(self, regular: Adjustment) -> Adjustment:
+        """Another adjustment of the same block, with regular normal equations, tied to the frame as this one is."""
+        return regular
+
     @cached_property
     def residuals(self) -> Floats:
         """v (k, 2) of the image coordinates, mm, in the order of the block."""

@@ -12,7 +12,7 @@ from adjust.ap_models.catalogue import NoModel
 from adjust.datum import ByControl, Datum
 from adjust.model import ApBy, Unknowns, ap_sets
 from adjust.normals import Arithmetic, Compiled, Plain, by_either
-from adjust.observations import Group, Observations, stated_groups, unknowns_of
+from adjust.observations import ApPriors, Group, Observations, stated_groups, unknowns_of
 from adjust.solution import Reached, Solution, initial, minimised, reached
 from adjust.status import Status
 from simfield.block import Block, Floats
@@ -57,24 +57,62 @@ def adjust_block(
     except (initial.NoStartError, ValueError) as error:
         return _without_datum(block, model, str(error))
     sets = ap_sets(block, ap_by) if isinstance(ap_by, str) else ap_by
-    tied = [point for group in observations for point in group.coupled]
-    unknowns = Unknowns.of(block, model, None if ap_by == "camera" else sets, names, tied)
-    # what is not finite ends with a status, not with a warning
-    with np.errstate(all="ignore"), one_thread():
-        groups = Observations.of(block, unknowns, observations)
-        return datum.finished(by_either(groups, compiled, lambda by: _told(reached(groups, by, observations))))
+    unknowns = Unknowns.of(block, model, None if ap_by == "camera" else sets, names, _tied_points(observations))
+    return datum.finished(_from_the_beginning(_bound(block, unknowns, observations), compiled))
 
 
-def reweighted(a: Adjustment, weights: Floats) -> Adjustment:
+def reweighted(a: Adjustment, weights: Floats, taken_out: int = 0) -> Adjustment:
     """The same adjustment with other weights, from its estimate on; weights in the order of `a.groups.weights`.
 
-    A weight of 0 rejects an observation: it keeps a residual, but counts no more.
+    The datum stays what it is. A weight of 0 rejects an observation: it keeps a residual, but counts no more.
+    taken_out: how many observations' worth of weight is taken away beside those, see `Observations`.
     """
-    groups = a.groups.with_weights(weights)
+    r = a.regular
+    groups = r.groups.with_weights(weights, taken_out)
     with np.errstate(all="ignore"), one_thread():
-        return by_either(
-            groups, isinstance(a.arithmetic, Compiled), lambda by: _answer(groups, minimised(groups, a.x, by), by)
+        found = by_either(
+            groups, isinstance(r.arithmetic, Compiled), lambda by: _answer(groups, minimised(groups, r.x, by), by)
         )
+    return a.tied(found)
+
+
+def remodelled(a: Adjustment, models: Mapping[str, ApModel]) -> Adjustment:
+    """The same adjustment with other sets of additional parameters, one a camera, from the beginning.
+
+    Datum, weights, further observations and arithmetic stay what they are; of the priors those whose parameters are
+    left.
+    """
+    r = a.regular
+    left = {(camera, name) for camera, model in models.items() for name in model.parameters}
+    stated = [group.restricted(left) if isinstance(group, ApPriors) else group for group in r.groups.stated]
+    unknowns = Unknowns.of(r.block, models, None, unknowns_of(stated, r.block), _tied_points(stated))
+    groups = _bound(r.block, unknowns, stated)
+    groups = groups.with_weights(_left_of(r.groups, groups), r.groups.taken_out)
+    return a.tied(_from_the_beginning(groups, isinstance(r.arithmetic, Compiled)))
+
+
+def _tied_points(observations: Sequence[Group]) -> list[str]:
+    return [point for group in observations for point in group.coupled]
+
+
+def _left_of(before: Observations, groups: Observations) -> Floats:
+    """The weights that `groups` have in the observations before, of which some priors may have been left out."""
+    kept = np.ones(before.rows, dtype=bool)
+    labels = [label for group in before.further for label in group.labels]
+    remaining = {label for group in groups.further for label in group.labels}
+    kept[before.rows - len(labels) :] = [label in remaining for label in labels]
+    return before.weights[kept]
+
+
+# what is not finite ends with a status, not with a warning
+def _bound(block: Block, unknowns: Unknowns, observations: Sequence[Group]) -> Observations:
+    with np.errstate(all="ignore"):
+        return Observations.of(block, unknowns, observations)
+
+
+def _from_the_beginning(groups: Observations, compiled: bool) -> Adjustment:
+    with np.errstate(all="ignore"), one_thread():
+        return by_either(groups, compiled, lambda by: _told(reached(groups, by)))
 
 
 def _answer(groups: Observations, solution: Solution, arithmetic: Arithmetic) -> Adjustment:

@@ -126,19 +126,20 @@ def free_network(a: Adjustment, rows: Indices, targets: Floats) -> FreeAdjustmen
     free[layout.orientation :] = True
     whole = replace(layout, block=released, free=free)
     kept = {name: getattr(minimum, name) for name in ("groups", "x", "status", "message", "iterations", "arithmetic")}
-    return FreeAdjustment(released, whole, **kept, minimum=minimum, datum_rows=rows)
+    return FreeAdjustment(released, whole, **kept, minimum=minimum, datum_rows=rows, targets=targets)
 
 
 @dataclass(frozen=True, eq=False)
 class FreeAdjustment(Adjustment):
-    """A free network: minimum, the same adjustment on minimum control, and datum_rows (d), the rows of the datum
-    points.
+    """A free network: minimum, the same adjustment on minimum control, datum_rows (d), the rows of the datum points,
+    and targets (d, 3), the coordinates that they keep in the mean.
 
     Coordinates and standard deviations in m and radians, as in Adjustment.
     """
 
     minimum: Adjustment
     datum_rows: Indices
+    targets: Floats
 
     @property
     def redundancy(self) -> int:
@@ -149,6 +150,10 @@ class FreeAdjustment(Adjustment):
     def regular(self) -> Adjustment:
         """The adjustment on minimum control, whose normal equations are regular."""
         return self.minimum
+
+    def tied(self, regular: Adjustment) -> Adjustment:
+        """Moved onto the datum points of this one; as it is where it failed."""
+        return free_network(regular, self.datum_rows, self.targets) if regular.status.ok else regular
 
     @cached_property
     def working_cofactors(self) -> Cofactors:
@@ -217,7 +222,7 @@ def _moved(a: Adjustment, x: Floats, points: Points) -> Adjustment:
     block = _with_points(a.block, points)
     layout = replace(a.layout, block=block)
     groups = replace(Observations.of(block, layout), further=a.groups.further, stated=a.groups.stated).with_weights(
-        a.groups.weights
+        a.groups.weights, a.groups.taken_out
     )
     arithmetic = Compiled(groups) if isinstance(a.arithmetic, Compiled) else Plain(groups)
     return replace(a, block=block, layout=layout, groups=groups, x=x, arithmetic=arithmetic)

@@ -27,6 +27,8 @@ class Observations:
     further: tuple[Bound, ...] = ()
     stated: tuple[Group, ...] = ()
     """the further groups as they were stated, to adjust with other unknowns"""
+    taken_out: int = 0
+    """how many observations' worth of weight robust estimation took away, beside those of weight 0"""
 
     @classmethod
     def of(cls, block: Block, unknowns: Unknowns, groups: Sequence[Group] = ()) -> Observations:
@@ -42,7 +44,7 @@ class Observations:
     @property
     def count(self) -> int:
         """The number of observations that count: an observation of weight 0 is rejected."""
-        return int(np.count_nonzero(self.weights))
+        return int(np.count_nonzero(self.weights)) - self.taken_out
 
     @property
     def weights(self) -> Floats:
@@ -53,7 +55,7 @@ class Observations:
         image_points[self.image_points.order] = self.image_points.weight
         return np.concatenate([image_points.ravel(), self.control.weight, *(group.weight for group in self.further)])
 
-    def with_weights(self, weights: Floats) -> Observations:
+    def with_weights(self, weights: Floats, taken_out: int = 0) -> Observations:
         """The same observations with other weights, in the order of `weights`; 0 rejects an observation."""
         k2 = 2 * len(self.image_points.image)
         image_points = weights[:k2].reshape(-1, 2)[self.image_points.order]
@@ -64,6 +66,7 @@ class Observations:
             replace(self.control, weight=control),
             tuple(group.with_weight(weight) for group, weight in zip(self.further, others, strict=True)),
             self.stated,
+            taken_out,
         )
 
     def beside_elimination(self, x: Floats, gradient_only: bool = False) -> tuple[list[tuple[Floats, Linear]], float]:

@@ -147,8 +147,7 @@ def snoop(a: Adjustment, alpha: float = ALPHA, test: Test = "w", most: int | Non
     """
     limit = int(SHARE_MOST * a.observations) if most is None else most
     accused: dict[int, Accused] = {}
-    current = a.regular
-    weights = current.groups.weights
+    current, weights = a, a.groups.weights
     for _ in range(ADJUSTMENTS_MOST):
         fresh = _searched(current, alpha, test, limit - len(accused))
         if not fresh:

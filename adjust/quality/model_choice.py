@@ -22,8 +22,7 @@ import numpy as np
 
 from adjust.adjustment import Adjustment
 from adjust.ap_models import ApModel, without
-from adjust.bundle import adjust_block
-from adjust.observations import ApPriors
+from adjust.bundle import remodelled
 from adjust.quality.gross_errors import LEAST_CHECKED
 from adjust.quality.influence import Influence
 from adjust.quality.significance import ap_significance
@@ -124,17 +123,10 @@ def delete_stepwise(a: Adjustment, alpha: float = ALPHA, correlation_most: float
     while (worst := _worst(a, alpha, correlation_most)) is not None:
         deleted.append(worst)
         models = {**models, worst.camera_id: without(models[worst.camera_id], worst.name)}
-        a = _adjusted(a, models)
+        a = remodelled(a, models)
         if not a.status.ok:
             raise ValueError(f"the block cannot be adjusted without {worst.name} of {worst.camera_id}: {a.message}")
     return Stepwise(tuple(deleted), a)
-
-
-def _adjusted(a: Adjustment, models: Mapping[str, ApModel]) -> Adjustment:
-    """Adjusted anew with all that was observed; of the priors those whose parameters are left."""
-    left = {(camera, name) for camera, model in models.items() for name in model.parameters}
-    groups = [group.restricted(left) if isinstance(group, ApPriors) else group for group in a.regular.groups.stated]
-    return adjust_block(a.regular.block.without(), models, observations=groups)
 
 
 def _worst(a: Adjustment, alpha: float, correlation_most: float) -> Deletion | None:

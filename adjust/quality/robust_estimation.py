@@ -5,6 +5,10 @@ would have if it were alone at fault, standardised by its redundancy number, and
 times the median of |w|; Hampel 1974). With f = rho'(u) / u this minimises the sum of rho(u) (Huber 1964). The rounds
 end when no f changes by more than FACTOR_LEFT.
 
+What lost its weight counts no more: the redundancy is the expectation of vPv for given factors, the sum of f_i r_i over
+all observations, to the nearest whole number. Else sigma0 and all standard deviations would be too small by the root
+of the share that was taken out.
+
 Small redundancy numbers let an error hide in the estimates, so robust estimation does not make weak geometry strong.
 """
 
@@ -101,27 +105,38 @@ def robust(a: Adjustment, function: WeightFunction | None = None, alpha: float =
     Raises ValueError where an adjustment fails.
     """
     function = Danish() if function is None else function
-    first = a.regular
-    weights, factor = first.groups.weights, np.ones(first.groups.rows)
-    current, converged, rounds = first, False, 0
+    weights, factor = a.groups.weights, np.ones(a.groups.rows)
+    current, converged, rounds = a, False, 0
     while rounds < ROUNDS_MOST and not converged:
         w, _, _ = _alone(current, factor)
         u = np.abs(w) / _scale(w)
         fresh = np.where(np.isnan(u), 1.0, np.maximum(function(np.nan_to_num(u)), FACTOR_LEAST))
         converged = bool(np.abs(fresh - factor).max() <= FACTOR_LEFT)
         factor, rounds = fresh, rounds + 1
-        current = reweighted(current, weights * factor)
-        if not current.status.ok:
-            raise ValueError(f"the reweighted block cannot be adjusted: {current.message}")
+        current = _reweighted(current, weights * factor)
+    current = _reweighted(current, weights * factor, a.groups.taken_out + _taken_out(current, factor))
     w, error, _ = _alone(current, factor)
     scale = _scale(w)
     u = np.abs(w) / scale
     critical = w_critical(alpha)
     worst = [int(i) for i in np.argsort(-np.nan_to_num(u), kind="stable") if u[i] > critical]
-    suspects = tuple(
-        Suspect(i, row_name(first.groups, i), float(u[i]), float(factor[i]), float(error[i])) for i in worst
-    )
+    suspects = tuple(Suspect(i, row_name(a.groups, i), float(u[i]), float(factor[i]), float(error[i])) for i in worst)
     return Robust(current, factor, u, scale, suspects, rounds, converged)
+
+
+def _reweighted(a: Adjustment, weights: Floats, taken_out: int = 0) -> Adjustment:
+    found = reweighted(a, weights, taken_out)
+    if not found.status.ok:
+        raise ValueError(f"the reweighted block cannot be adjusted: {found.message}")
+    return found
+
+
+def _taken_out(a: Adjustment, factor: Floats) -> int:
+    """By how much the redundancy of all that has a weight is larger than the sum of f_i r_i; one is left at least."""
+    influence, redundancy = Influence.of(a), a.regular.redundancy
+    counted = influence.rows.weight > 0.0
+    left = float(np.sum(factor[counted] * (1.0 - influence.leverage[counted])))
+    return min(round(redundancy - left), redundancy - 1)
 
 
 def _scale(w: Floats) -> float:

@@ -91,7 +91,6 @@ def variance_components(a: Adjustment, groups: Mapping[str, Indices] | None = No
 
     Raises ValueError where an adjustment fails, or when groups overlap.
     """
-    a = a.regular
     groups = groups_by_camera(a) if groups is None else groups
     label = _labels(a, groups)
     factor, converged, rounds = np.ones(len(groups)), False, 0

@@ -23,8 +23,9 @@ SHORT = 1e-2
 """standard deviations; from here Gauss-Newton is at home"""
 SLOWLY = 10 * ITERATIONS_MOST
 """steps of the finish: where residuals are large it contracts slowly"""
-WORTH_TRYING = {Status.NOT_CONVERGED: 300, Status.BEHIND_CAMERA: 300, Status.NOT_FINITE: 300, Status.SINGULAR: 20}
-"""damped steps at most: what is singular at the start may not be so at the minimum, but in most cases it is"""
+WORTH_TRYING = (Status.NOT_CONVERGED, Status.BEHIND_CAMERA, Status.NOT_FINITE, Status.SINGULAR)
+STEPS_MOST, FROM_SINGULAR_MOST = 300, 20
+"""damped steps; what is singular at the start may not be so at the minimum, but in most cases it is"""
 
 
 def minimised(
@@ -40,10 +41,11 @@ def minimised(
     found = solve(observations, start, arithmetic)
     if found.status not in WORTH_TRYING:
         return found
-    nearer, steps = damped(start, arithmetic, WORTH_TRYING[found.status])
+    singular_start = found.status is Status.SINGULAR and found.iterations == 1
+    nearer, steps = damped(start, arithmetic, FROM_SINGULAR_MOST if singular_start else STEPS_MOST)
     if not steps:
         return found
-    again = solve(observations, nearer, arithmetic, ITERATIONS_MOST if found.status is Status.SINGULAR else SLOWLY)
+    again = solve(observations, nearer, arithmetic, ITERATIONS_MOST if singular_start else SLOWLY)
     if not again.status.ok or not believed(again.x):
         return found
     return Solution(again.x, again.status, again.detail, found.iterations + steps + again.iterations)

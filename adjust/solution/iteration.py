@@ -28,9 +28,11 @@ CONTRACTION_MOST = 0.05
 CONTRACTION_LEAST = 0.01
 """less is not believed: the first steps near a minimum show how the bulk of the error contracts, not all of it"""
 ROUNDING = 16 * np.finfo(float).eps
-ITERATIONS_MOST = 50
+ITERATIONS_MOST = 100
 SMALL_STEP = 1e-7
 """a step this short that lowers vPv no more moves between the last digits: without noise vPv itself is rounding"""
+LAST_DIGITS, IDLE_STEPS = 1e-8, 15
+"""standard deviations, and how many steps in turn, of an iteration that goes to and fro between the last digits"""
 NEARLY_SINGULAR = 1e-8
 """reciprocal condition at which an iteration that does not converge is laid to the normal equations"""
 HALVINGS_MOST = 12
@@ -54,6 +56,7 @@ def solve(observations: Observations, start: Floats, arithmetic: Arithmetic, mos
         return Solution(start, Status.BEHIND_CAMERA, points_behind(observations, start), 0)
     factor: Any = None
     chord, length = False, np.inf
+    lengths: list[float] = []
     for iteration in range(1, most + 1):
         if not normals.finite:
             return Solution(x, Status.NOT_FINITE, _not_finite(observations, iteration), iteration)
@@ -77,8 +80,17 @@ def solve(observations: Observations, start: Floats, arithmetic: Arithmetic, mos
         if advanced is None:
             return _given_up(observations, x, _stuck(observations, x + step, length), iteration, arithmetic)
         x, normals, chord = advanced
+        lengths.append(length)
+    if _is_rounding(lengths):
+        return Solution(x, Status.CONVERGED, "", most)
     detail = f"after {most} iterations the last step was {length:.2g} standard deviations"
     return _given_up(observations, x, (Status.NOT_CONVERGED, detail), most, arithmetic)
+
+
+def _is_rounding(lengths: list[float]) -> bool:
+    """Whether steps have long been short and become no shorter: the last digits of weak geometry."""
+    earlier, late = lengths[-2 * IDLE_STEPS : -IDLE_STEPS], lengths[-IDLE_STEPS:]
+    return max(late) <= LAST_DIGITS and min(late) > 0.9 * min(earlier)
 
 
 def _advance(

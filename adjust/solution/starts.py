@@ -8,7 +8,7 @@ none: then the given angles, units or axes are wrong, which is for people to kno
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import partial
 
@@ -16,7 +16,7 @@ import numpy as np
 
 from adjust.model import Unknowns, rotation_matrices, steep
 from adjust.normals import Arithmetic, Compiled, Plain
-from adjust.observations import Group, Observations
+from adjust.observations import Observations
 from adjust.solution import initial
 from adjust.solution.damped import minimised
 from adjust.solution.determinability import judged
@@ -52,8 +52,8 @@ class Reached:
         return self.groups.cost(self.solution.x)
 
 
-def reached(groups: Observations, arithmetic: Arithmetic, observations: Sequence[Group]) -> Reached:
-    """The least minimum from all starts that are tried; observations are the further groups as they were stated."""
+def reached(groups: Observations, arithmetic: Arithmetic) -> Reached:
+    """The least minimum from all starts that are tried."""
     unknowns = groups.image_points.unknowns
     redundancy = groups.count - unknowns.count
     if redundancy <= 0:
@@ -62,21 +62,25 @@ def reached(groups: Observations, arithmetic: Arithmetic, observations: Sequence
     exterior = unknowns.block.images.exterior
     some_open, all_open = (bool(f(np.isnan(exterior[:, 0]))) for f in (np.any, np.all))
     try:
-        best = _least(groups, arithmetic, observations, _starts(groups, True, PLACES if some_open else 1))
+        best = _least(groups, arithmetic, _starts(groups, True, PLACES if some_open else 1))
     except initial.NoStartError as error:
         best = _nowhere(groups, arithmetic, Status.NO_START, str(error))
     if some_open:
         best = _finished(best)
-    if all_open or len(exterior) > IMAGES_MOST or best.solution.status is Status.SINGULAR:
+    singular_start = best.solution.status is Status.SINGULAR and best.solution.iterations <= 1
+    if all_open or len(exterior) > IMAGES_MOST or singular_start:
         return best
     if best.solution.status.ok and best.vpv <= UNBELIEVABLE**2 * redundancy:
         return best
     try:
-        other = _least(groups, arithmetic, observations, _starts(groups, False, PLACES))
+        other = _least(groups, arithmetic, _starts(groups, False, PLACES))
     except initial.NoStartError:
         return best
-    most = OTHER_MINIMUM * best.vpv if best.solution.status.ok else UNBELIEVABLE**2 * redundancy
-    if not other.solution.status.ok or other.vpv > most or not _is_believed(other.groups, other.solution.x):
+    if best.solution.status.ok:
+        taken = other.vpv <= OTHER_MINIMUM * best.vpv and _is_believed(other.groups, other.solution.x)
+    else:
+        taken = _is_near(other.groups.image_points.unknowns, other.solution.x)
+    if not (other.solution.status.ok and taken):
         return best
     done = _finished(other)
     return replace(done, solution=replace(done.solution, detail=OF_OUR_OWN))
@@ -98,24 +102,23 @@ def _starts(groups: Observations, given: bool, places: int) -> Iterator[Floats]:
         yield x
 
 
-def _least(
-    groups: Observations, arithmetic: Arithmetic, observations: Sequence[Group], starts: Iterator[Floats]
-) -> Reached:
-    best = _from(next(starts), groups, arithmetic, observations)
+def _least(groups: Observations, arithmetic: Arithmetic, starts: Iterator[Floats]) -> Reached:
+    best = _from(next(starts), groups, arithmetic)
     for x in starts:
-        found = _from(x, groups, arithmetic, observations)
+        found = _from(x, groups, arithmetic)
         if found.solution.status.ok and not (best.solution.status.ok and best.vpv <= found.vpv):
             best = found
     return best
 
 
-def _from(x: Floats, groups: Observations, arithmetic: Arithmetic, observations: Sequence[Group]) -> Reached:
+def _from(x: Floats, groups: Observations, arithmetic: Arithmetic) -> Reached:
     """The solution from a start x, in the layout of `groups`."""
     unknowns = groups.image_points.unknowns
     for _ in range(RENAMINGS_MOST):
         layout, x = unknowns.with_renamed(x)
         if layout.renamed is not None:
-            unknowns, groups = layout, Observations.of(layout.block, layout, observations)
+            again = Observations.of(layout.block, layout, groups.stated)
+            unknowns, groups = layout, again.with_weights(groups.weights, groups.taken_out)
             arithmetic = Compiled(groups) if isinstance(arithmetic, Compiled) else Plain(groups)
         solution = minimised(groups, x, arithmetic, partial(_is_believed, groups))
         solution = judged(solution, unknowns, arithmetic)

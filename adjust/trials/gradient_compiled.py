@@ -161,8 +161,7 @@ def fill_contexts(images: Any, renamed: Any, x: Any, parameters: Any, turns: Any
     """Rotation, station and parameters of the images `images` into contexts (tiles, m, 12 + a, WIDTH).
 
     renamed (m): images whose angles are by the axes Y, Z, X; x (tiles, size, WIDTH); parameters: the first row of the
-    set in x; turns (tiles, m, 2, WIDTH): sine and cosine of
-    omega, which `collect` wants.
+    set in x; turns (tiles, m, 2, WIDTH): sine and cosine of omega, which `collect` wants.
     """
     for tile in range(x.shape[0]):
         for i in images:

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Collection
 from dataclasses import dataclass, field, replace
+from numbers import Real
 
 import numpy as np
 import numpy.typing as npt
@@ -24,6 +25,7 @@ from simfield.block.checks import (
     check_shape,
     freeze,
     refuse,
+    refuse_weightless,
 )
 from simfield.block.further import Further
 
@@ -38,7 +40,7 @@ class Camera:
     """A frame camera with known interior orientation.
 
     c_mm is the principal distance, (x0_mm, y0_mm) the principal point in the fiducial frame, width_mm and height_mm
-    the format.
+    the format. Whole numbers become floats.
     """
 
     camera_id: str
@@ -47,6 +49,13 @@ class Camera:
     y0_mm: float
     width_mm: float
     height_mm: float
+
+    def __post_init__(self) -> None:
+        for name in ("c_mm", "x0_mm", "y0_mm", "width_mm", "height_mm"):
+            value = getattr(self, name)
+            if isinstance(value, bool) or not isinstance(value, Real):
+                raise BlockError("cameras", f"{value!r} is not a number", column=name)
+            object.__setattr__(self, name, float(value))
 
 
 @dataclass(frozen=True, eq=False)
@@ -253,6 +262,7 @@ def _check_points(points: Points) -> None:
     refuse("points", np.isinf(points.coordinates), COORDINATES, points.coordinates, "must be finite or empty")
     refuse("points", np.isinf(points.sigma), SIGMAS, points.sigma, "must be finite or empty")
     refuse("points", points.sigma < 0.0, SIGMAS, points.sigma, "must be >= 0 or empty")
+    refuse_weightless("points", points.sigma, SIGMAS)
     control = (points.role == "control")[:, None]
     refuse(
         "points",
@@ -276,6 +286,7 @@ def _check_observations(observations: ImageObservations, images: Images, points:
     refuse("observations", ~np.isfinite(observations.xy), ("x_mm", "y_mm"), observations.xy, "must be finite")
     bad_sigma = ~(np.isfinite(observations.sigma) & (observations.sigma > 0.0))
     refuse("observations", bad_sigma, ("sigma_x_mm", "sigma_y_mm"), observations.sigma, "must be finite and > 0")
+    refuse_weightless("observations", observations.sigma, ("sigma_x_mm", "sigma_y_mm"))
     pair = observations.image * len(points) + observations.point
     order = np.argsort(pair, kind="stable")
     twice = np.flatnonzero(np.diff(pair[order]) == 0)

@@ -11,6 +11,9 @@ import numpy.typing as npt
 Floats = npt.NDArray[np.float64]
 Indices = npt.NDArray[np.intp]
 
+SIGMA_LEAST, SIGMA_MOST = 1e-50, 1e50
+"""of standard deviations in any unit: the squares beyond lie near the ends of what a float can hold"""
+
 
 class BlockError(ValueError):
     """A defect of a block, with its place: the table, the row (0-based, None for the whole table) and the column."""
@@ -51,6 +54,13 @@ def refuse(table: str, bad: npt.NDArray[np.bool_], columns: Sequence[str], value
     if bad.any():
         row, column = (int(i) for i in np.argwhere(bad)[0])
         raise BlockError(table, f"{values[row, column]:.6g} is not allowed, {rule}", row, columns[column])
+
+
+def refuse_weightless(table: str, sigma: Floats, columns: Sequence[str]) -> None:
+    """Raise for a standard deviation (rows, columns) so large or small that its weight would not be a number; 0 and
+    NaN have meanings of their own and are let through."""
+    extreme = (sigma > SIGMA_MOST) | ((sigma > 0.0) & (sigma < SIGMA_LEAST))
+    refuse(table, extreme, columns, sigma, f"a standard deviation is between {SIGMA_LEAST:g} and {SIGMA_MOST:g}")
 
 
 def check_index(table: str, index: Indices, size: int, column: str) -> None:

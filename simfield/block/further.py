@@ -12,7 +12,17 @@ from dataclasses import dataclass, field, fields, replace
 import numpy as np
 import numpy.typing as npt
 
-from simfield.block.checks import BlockError, Floats, Indices, check_ids, check_index, check_shape, freeze, refuse
+from simfield.block.checks import (
+    BlockError,
+    Floats,
+    Indices,
+    check_ids,
+    check_index,
+    check_shape,
+    freeze,
+    refuse,
+    refuse_weightless,
+)
 
 Mask = npt.NDArray[np.bool_]
 
@@ -264,6 +274,7 @@ def _refuse_infinite(table: str, values: Floats, columns: Sequence[str]) -> None
 def _check_sigma(table: str, sigma: Floats, columns: Sequence[str], may_be_empty: bool = False) -> None:
     wrong = ~(np.isfinite(sigma) & (sigma > 0.0)) & ~(np.isnan(sigma) & may_be_empty)
     refuse(table, wrong, columns, sigma, "must be finite and > 0")
+    refuse_weightless(table, sigma, columns)
 
 
 def _refuse_one_without_other(values: Floats, sigma: Floats, columns: Sequence[str], sigmas: Sequence[str]) -> None:

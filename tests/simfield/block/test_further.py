@@ -11,6 +11,7 @@ import pytest
 from hypothesis import given, settings, strategies as st
 
 from simfield.block.block import Block
+from simfield.block.checks import SIGMA_LEAST, SIGMA_MOST
 from simfield.block.further import ANGLE_MOST, Further, Lines, Priors, Stations, Strips
 from simfield.files.block_folder import BlockFolderError, read_block, write_block
 from tests.simfield.files.test_block_folder import FILES, bits
@@ -89,7 +90,7 @@ def test_other_image_points_and_points_keep_them(folder: Path) -> None:
     assert block.replace_image_points(block.observations.xy + 1.0).further is block.further
 
 
-positive = st.floats(min_value=5e-324, allow_infinity=False)
+positive = st.floats(SIGMA_LEAST, SIGMA_MOST)
 number = st.floats(allow_nan=False, allow_infinity=False)
 
 
@@ -104,7 +105,7 @@ def furthers(draw: st.DrawFn) -> Further:
 
     position, attitude = (
         pair(number, (2, 3)),
-        pair(st.floats(-ANGLE_MOST, ANGLE_MOST), (2, 3), st.floats(5e-324, ANGLE_MOST)),
+        pair(st.floats(-ANGLE_MOST, ANGLE_MOST), (2, 3), st.floats(SIGMA_LEAST, ANGLE_MOST)),
     )
     seen = np.array(draw(st.lists(st.booleans(), min_size=6, max_size=6))).reshape(2, 3)
     attitude = tuple(np.where(seen, each, np.nan) for each in attitude)

@@ -16,6 +16,7 @@ import pytest
 from hypothesis import given, settings, strategies as st
 
 from simfield.block.block import ROLES, Block, Camera, ImageObservations, Images, Points
+from simfield.block.checks import SIGMA_LEAST, SIGMA_MOST
 from simfield.files.block_folder import BlockFolderError, read_block, write_block
 
 FILES = {
@@ -97,7 +98,7 @@ def test_a_short_folder_is_written_back_letter_by_letter(folder: Path) -> None:
 
 
 any_float = st.floats(allow_nan=False, allow_infinity=False)
-positive = st.floats(min_value=5e-324, allow_infinity=False)
+positive = st.floats(SIGMA_LEAST, SIGMA_MOST)
 maybe = st.one_of(st.just(np.nan), any_float)
 angle = st.floats(-4 * np.pi, 4 * np.pi)
 an_id = st.text(st.characters(exclude_categories=["Cs"], exclude_characters="\0\r"), min_size=1, max_size=8).filter(
@@ -120,7 +121,9 @@ def blocks(draw: st.DrawFn) -> Block:
     exterior = np.hstack([table(any_float, images, 3), table(angle, images, 3)])
     exterior[draw(st.lists(st.booleans(), min_size=images, max_size=images))] = np.nan
     coordinates = table(maybe, points, 3)
-    sigma = np.where(np.isnan(coordinates), np.nan, np.abs(table(maybe, points, 3)))
+    sigma = np.where(
+        np.isnan(coordinates), np.nan, table(st.one_of(st.sampled_from([np.nan, 0.0]), positive), points, 3)
+    )
     return Block(
         tuple(
             Camera(name, draw(positive), draw(any_float), draw(any_float), draw(positive), draw(positive))

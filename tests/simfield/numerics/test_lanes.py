@@ -124,10 +124,11 @@ def test_contexts_are_rotations():
     images = 3
     x = np.random.default_rng(4).uniform(-3.0, 3.0, (2, 6 * images + 2, WIDTH))
     contexts, turns = np.zeros((2, images, kernels.PARAMETERS + 2, WIDTH)), np.zeros((2, images, 2, WIDTH))
-    kernels.fill_contexts(np.arange(images).astype(np.uint64), x, 6 * images, turns, contexts)
+    renamed = np.array([False, True, False])
+    kernels.fill_contexts(np.arange(images).astype(np.uint64), renamed, x, 6 * images, turns, contexts)
     exterior = x[1, : 6 * images, 5].reshape(images, 6)
     matrices = contexts[1, :, :9, 5].reshape(images, 3, 3)
-    np.testing.assert_allclose(matrices, rotation_matrices(exterior[:, 3:]), atol=FUSED)
+    np.testing.assert_allclose(matrices, rotation_matrices(exterior[:, 3:], renamed), atol=FUSED)
     assert np.array_equal(contexts[1, :, 9:12, 5], exterior[:, :3])
     assert np.array_equal(contexts[1, 0, 12:, 5], x[1, -2:, 5])
 
