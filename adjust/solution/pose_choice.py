@@ -6,7 +6,7 @@ What one image leaves open, two may settle: the rays of the points that they sha
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from itertools import product
+from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
@@ -37,14 +37,12 @@ def hypotheses(image: int, points: Floats, g: ImagePoints, last: bool = False) -
     if len(rows) < 3:
         return []
     known, camera = points[g.point[rows]], _camera(image, rows, g)
-    candidates = _vertical(camera, known)
-    for station, rotation in resected(camera / np.linalg.norm(camera, axis=1, keepdims=True), known):
-        candidates.append(np.concatenate([station, angles_of(rotation[None])[0]]))
-    if len(rows) == 3 and not (last and len(candidates) == 1):  # all that fit three points are as good
-        candidates = candidates[1:]
-    if not candidates:
+    stations, turns = resected(camera / np.linalg.norm(camera, axis=1, keepdims=True), known)
+    resections, vertical = np.hstack([stations, angles_of(turns)]), _vertical(camera, known)
+    # all that fit three points are as good, and the vertical image is not asked for
+    poses = resections if len(rows) == 3 and (len(resections) or not last) else np.vstack([*vertical, resections])
+    if not len(poses):
         return []
-    poses = np.array(candidates)
     rotations = rotation_matrices(poses[:, 3:])
     misfits = _missed(poses, rotations, camera, known).mean(axis=1)
     ranks = misfits + UP_WEIGHT * (1.0 - rotations[:, 2, 2])  # of those that fit as well the least tilted one first
@@ -69,10 +67,13 @@ def settled(
     poses |= {int(i): [exterior[i]] for i in np.flatnonzero(np.isfinite(exterior[:, 0]))}
     by_pair = []
     for first, second, left, right in _pairs(open_ones, poses, g):
-        answers = []
-        for a, b in product(poses[first], poses[second]):
-            score = _disagreement((first, a, left), (second, b, right), points, g)
-            answers.append((score, {i: p for i, p in ((first, a), (second, b)) if i in open_ones}))
+        scores = _disagreement(
+            _Seen.of(first, poses[first], left, g), _Seen.of(second, poses[second], right, g), points
+        )
+        answers = [
+            (float(scores[a, b]), {i: poses[i][at] for i, at in ((first, a), (second, b)) if i in open_ones})
+            for a, b in np.ndindex(scores.shape)
+        ]
         by_pair.append(sorted(answers, key=lambda answer: answer[0]))
     if not by_pair:
         image, own = next(iter(open_ones.items()))
@@ -96,31 +97,52 @@ def _pairs(
     yield from sorted(found, key=lambda pair: -len(pair[2]))[:PAIRS_MOST]
 
 
-def _disagreement(
-    one: tuple[int, Floats, Indices], other: tuple[int, Floats, Indices], points: Floats, g: ImagePoints
-) -> float:
-    """The mean distance in the image, mm, by which two poses miss the points that they share, intersected or known."""
-    stations, directions, seen = [], [], []
-    for image, pose, rows in (one, other):
-        camera, rotation = _camera(image, rows, g), rotation_matrices(pose[None, 3:])
-        ray = camera @ rotation[0].T
-        stations.append(pose[:3])
-        directions.append(ray / np.linalg.norm(ray, axis=1, keepdims=True))
-        seen.append((pose[None], rotation, camera))
-    place = _between(*stations, *directions)
-    known = points[g.point[one[2]]]
+@dataclass(frozen=True, eq=False)
+class _Seen:
+    """k points in an image with p poses (p, 6): their R (p, 3, 3), the points (k, 3) in the camera frame, mm, and which
+    ones they are.
+    """
+
+    poses: Floats
+    rotations: Floats
+    camera: Floats
+    point: Indices
+
+    @classmethod
+    def of(cls, image: int, poses: Sequence[Floats], rows: Indices, g: ImagePoints) -> _Seen:
+        both = np.array(poses)
+        return cls(both, rotation_matrices(both[:, 3:]), _camera(image, rows, g), g.point[rows])
+
+    @property
+    def directions(self) -> Floats:
+        """(p, k, 3) unit vectors."""
+        rays = self.camera @ self.rotations.transpose(0, 2, 1)
+        return np.asarray(rays / np.linalg.norm(rays, axis=2, keepdims=True))
+
+
+def _disagreement(one: _Seen, other: _Seen, points: Floats) -> Floats:
+    """(p, q) the mean distances in the images, mm, by which the poses of two images miss the points that they share,
+    known or intersected.
+    """
+    place = _between(one.poses[:, :3], other.poses[:, :3], one.directions, other.directions)
+    known = points[one.point]
     place = np.where(np.isfinite(known), known, place)
-    return float(np.mean([_missed(*each, place) for each in seen]))
+    first = [_missed(one.poses, one.rotations, one.camera, place[:, j]) for j in range(place.shape[1])]
+    second = [_missed(other.poses, other.rotations, other.camera, place[i]) for i in range(place.shape[0])]
+    return np.asarray(0.5 * (np.stack(first, axis=1).mean(axis=2) + np.stack(second).mean(axis=2)))
 
 
 def _between(first: Floats, second: Floats, a: Floats, b: Floats) -> Floats:
-    """(k, 3) the points midway between two rays each, from two stations along unit directions a, b (k, 3)."""
-    base = second - first
-    c = np.sum(a * b, axis=1)
+    """(p, q, k, 3) the points midway between two rays each, from stations (p, 3), (q, 3) along unit directions
+    a (p, k, 3), b (q, k, 3).
+    """
+    base = (second - first[:, None])[:, :, None]
+    a, b = a[:, None], b[None]
+    c, along_a, along_b = np.sum(a * b, axis=3), np.sum(a * base, axis=3), np.sum(b * base, axis=3)
     with np.errstate(all="ignore"):
-        s = (a @ base - c * (b @ base)) / (1.0 - c**2)
-        t = (c * (a @ base) - b @ base) / (1.0 - c**2)
-    return np.asarray(0.5 * (first + s[:, None] * a + second + t[:, None] * b))
+        s = ((along_a - c * along_b) / (1.0 - c**2))[..., None]
+        t = ((c * along_a - along_b) / (1.0 - c**2))[..., None]
+    return np.asarray(0.5 * (first[:, None, None] + s * a + second[:, None] + t * b))
 
 
 def _camera(image: int, rows: Indices, g: ImagePoints) -> Floats:
@@ -138,7 +160,7 @@ def _vertical(camera: Floats, known: Floats) -> list[Floats]:
 
 
 def _missed(poses: Floats, rotations: Floats, camera: Floats, known: Floats) -> Floats:
-    """(p, k) the distances in the image, mm, by which poses (p, 6), their R (p, 3, 3), miss points (k, 3)."""
+    """(p, k) the distances in the image, mm, by which poses (p, 6) with R (p, 3, 3) miss points (k, 3) or (p, k, 3)."""
     seen = (known - poses[:, None, :3]) @ rotations
     with np.errstate(all="ignore"):
         missed = np.linalg.norm(camera[:, 2:] * seen[..., :2] / seen[..., 2:] - camera[:, :2], axis=-1)

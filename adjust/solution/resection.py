@@ -11,7 +11,6 @@ from itertools import combinations
 
 import numpy as np
 
-from adjust.model import Similarity
 from simfield.block import Floats
 
 TRIPLES_MOST = 24
@@ -20,10 +19,8 @@ REAL = 0.1
 NARROW_TRIANGLE = 1e-6
 
 
-def poses(directions: Floats, points: Floats) -> list[tuple[Floats, Floats]]:
-    """Up to four (station (3), R (3, 3) camera to object) from which three points (3, 3) are seen along unit directions
-    (3, 3) of the camera frame.
-    """
+def seen_at(directions: Floats, points: Floats) -> list[Floats]:
+    """Up to four times three points (3, 3) in the camera frame, as they are seen along unit directions (3, 3)."""
     a, b, c = (float(np.linalg.norm(points[i] - points[j])) for i, j in ((1, 2), (0, 2), (0, 1)))
     if min(a, b, c) <= 0.0:
         return []
@@ -52,23 +49,33 @@ def poses(directions: Floats, points: Floats) -> list[tuple[Floats, Floats]]:
         u = ((q - 1.0) * v**2 - 2.0 * q * cos_b * v + 1.0 + q) / denominator
         if u <= 0.0:
             continue
-        seen = np.sqrt(nearest) * np.array([[1.0], [u], [v]]) * directions
-        found.append(_rigid(seen, points))
+        found.append(np.sqrt(nearest) * np.array([[1.0], [u], [v]]) * directions)
     return found
 
 
-def _rigid(seen: Floats, points: Floats) -> tuple[Floats, Floats]:
-    """Station and rotation that bring what is seen (k, 3), in the camera frame, onto the points (k, 3)."""
-    turn = Similarity.between(seen, points).turn
-    return points.mean(axis=0) - turn @ seen.mean(axis=0), turn
-
-
-def resected(directions: Floats, points: Floats) -> list[tuple[Floats, Floats]]:
-    """Poses from the wide triangles among k points (k, 3) seen along unit directions (k, 3), each with its station."""
-    found = []
+def resected(directions: Floats, points: Floats) -> tuple[Floats, Floats]:
+    """Poses from the wide triangles among k points (k, 3) seen along unit directions (k, 3): stations (p, 3) and
+    rotations (p, 3, 3), camera to object.
+    """
+    seen, there = [], []
     for triple in _wide_triples(directions):
-        found += poses(directions[list(triple)], points[list(triple)])
-    return found
+        corners = points[list(triple)]
+        found = seen_at(directions[list(triple)], corners)
+        seen += found
+        there += [corners] * len(found)
+    if not seen:
+        return np.empty((0, 3)), np.empty((0, 3, 3))
+    camera, known = np.array(seen), np.array(there)
+    rotations = _axes(known) @ _axes(camera).transpose(0, 2, 1)
+    return known.mean(axis=1) - np.einsum("pij,pj->pi", rotations, camera.mean(axis=1)), rotations
+
+
+def _axes(triangles: Floats) -> Floats:
+    """(p, 3, 3), in the columns: axes along the first side of triangles (p, 3, 3), in their plane, and across it."""
+    first = triangles[:, 1] - triangles[:, 0]
+    across = np.cross(first, triangles[:, 2] - triangles[:, 0])
+    first, across = (v / np.linalg.norm(v, axis=1, keepdims=True) for v in (first, across))
+    return np.stack([first, np.cross(across, first), across], axis=2)
 
 
 def _wide_triples(directions: Floats) -> list[tuple[int, ...]]:
