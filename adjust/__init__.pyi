@@ -6,7 +6,7 @@ from .adjustment import (
     correlations as correlations,
 )
 from .ap_models import ApModel as ApModel
-from .bundle import adjust_block as adjust_block
+from .bundle import adjust_block as adjust_block, reweighted as reweighted
 from .datum import (
     MOTIONS as MOTIONS,
     ByControl as ByControl,

@@ -1,4 +1,5 @@
 from .gross_errors import Accused as Accused, Snooping as Snooping, snoop as snoop
+from .inspection import LEVEL as LEVEL, Inspection as Inspection, inspected as inspected
 from .model_choice import (
     aic as aic,
     bic as bic,
@@ -12,6 +13,7 @@ from .reliability import (
     familywise as familywise,
     noncentrality as noncentrality,
     tau_critical as tau_critical,
+    tau_noncentrality as tau_noncentrality,
     w_critical as w_critical,
 )
 from .robust_estimation import Cauchy as Cauchy, Danish as Danish, Huber as Huber, robust as robust
@@ -22,4 +24,8 @@ from .significance import (
     finer_sets as finer_sets,
     global_test as global_test,
 )
-from .variance import groups_by_camera as groups_by_camera, variance_components as variance_components
+from .variance import (
+    VarianceComponents as VarianceComponents,
+    groups_by_camera as groups_by_camera,
+    variance_components as variance_components,
+)

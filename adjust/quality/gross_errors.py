@@ -37,6 +37,8 @@ Test = Literal["w", "tau"]
 """w: the a priori sigma0 = 1 is trusted; tau: sigma0 is estimated, and a common factor of all sigmas has no
 influence
 """
+DEGREES_LEAST = 2.0
+"""redundancy of a group with a sigma0 of its own, below which nobody in it is accused"""
 
 
 @dataclass(frozen=True)
@@ -55,50 +57,59 @@ class Accused:
 
 @dataclass(frozen=True, eq=False)
 class Snooping:
-    """What was accused, in this order, the adjustment without it, and whether the search had to be stopped."""
+    """What was accused, in this order, the adjustment without it, the level of one test, and whether the search had to
+    be stopped.
+    """
 
     accused: tuple[Accused, ...]
     adjustment: Adjustment
+    alpha: float
     stopped: bool = False
 
 
 @dataclass(eq=False)
 class _Search:
-    """The state of the search: corrections and redundancy numbers (n) with the accused out, and the downdates u."""
+    """The state of the search: corrections and redundancy numbers (n) with the accused out, and the downdates u.
+
+    label (n): whose sigma0 each observation is tested with, -1 for the a priori one, which is 1.
+    """
 
     found: Reliability
-    test: Test
+    label: Indices
     alpha: float
     standard: Floats = field(init=False)
     redundancy: Floats = field(init=False)
     downdates: list[Floats] = field(default_factory=list)
     out: list[int] = field(default_factory=list)
-    vpv: float = field(init=False)
 
     def __post_init__(self) -> None:
         self.standard = self.found.influence.rows.standard.copy()
         self.redundancy = self.found.redundancy.copy()
         self.redundancy[self.found.influence.rows.weight == 0.0] = 0.0
-        self.vpv = float(self.standard @ self.standard)
 
     @property
-    def degrees(self) -> int:
-        return self.found.influence.adjustment.redundancy - len(self.out)
+    def degrees(self) -> float:
+        """The redundancy that is left."""
+        return float(self.redundancy.sum())
 
-    @property
-    def critical(self) -> float:
-        return w_critical(self.alpha) if self.test == "w" else tau_critical(self.degrees, self.alpha)
+    def _own(self) -> tuple[Floats, Floats]:
+        """The sigma0 that divides w, and the critical value, of every group, and last of those tested a priori."""
+        size = int(self.label.max()) + 1
+        label = np.where(self.label < 0, size, self.label)
+        degrees = np.bincount(label, self.redundancy, size + 1)[:size]
+        squares = np.bincount(label, self.standard**2, size + 1)[:size]
+        scale = np.sqrt(squares / np.maximum(degrees, 1.0))
+        tau = [tau_critical(f, self.alpha) if f >= DEGREES_LEAST else np.inf for f in degrees]
+        return np.append(scale, 1.0), np.append(tau, w_critical(self.alpha))
 
-    @property
-    def scale(self) -> float:
-        """By what w is divided: 1, or the estimated sigma0."""
-        return 1.0 if self.test == "w" else float(np.sqrt(max(self.vpv, 0.0) / max(self.degrees, 1)))
-
-    def statistics(self) -> Floats:
-        """(n) |w| or |tau|; 0 for what cannot be accused."""
+    def statistics(self) -> tuple[Floats, Floats]:
+        """(n) |w| or |tau|, 0 for what cannot be accused, and (n) the critical values."""
         possible = self.redundancy > LEAST_CHECKED
         root = np.sqrt(np.where(possible, self.redundancy, 1.0))
-        return np.asarray(np.where(possible, np.abs(self.standard) / root, 0.0) / self.scale)
+        scale, critical = self._own()
+        w = np.where(possible, np.abs(self.standard) / root, 0.0)
+        with np.errstate(invalid="ignore"):  # a group without any error has the sigma0 0
+            return np.nan_to_num(w / scale[self.label]), critical[self.label]
 
     def column(self, i: int) -> Floats:
         """(n) column i of the downdated redundancy matrix."""
@@ -114,7 +125,6 @@ class _Search:
         self.standard -= u * drop
         self.redundancy -= u * u
         self.redundancy[i] = self.standard[i] = 0.0
-        self.vpv -= drop**2
         self.downdates.append(u)
         self.out.append(i)
 
@@ -126,52 +136,58 @@ class _Search:
         r = np.eye(len(at)) - self.found.influence.hat(at, at)
         inverse = np.linalg.inv(r)
         error = inverse @ self.found.influence.rows.standard[at]
-        statistic = np.abs(error) / np.sqrt(np.diag(inverse)) / self.scale
-        least = int(np.argmin(statistic))
-        return self.out[least] if statistic[least] <= self.critical else None
+        scale, critical = self._own()
+        statistic = np.abs(error) / np.sqrt(np.diag(inverse)) / scale[self.label[at]]
+        over = statistic / critical[self.label[at]]
+        least = int(np.argmin(over))
+        return self.out[least] if over[least] <= 1.0 else None
 
     def without(self, i: int) -> _Search:
         """The search with i taken back."""
-        again = _Search(self.found, self.test, self.alpha)
+        again = _Search(self.found, self.label, self.alpha)
         for j in self.out:
             if j != i:
                 again.take_out(j)
         return again
 
 
-def snoop(a: Adjustment, alpha: float = ALPHA, test: Test = "w", most: int | None = None) -> Snooping:
+def snoop(
+    a: Adjustment, alpha: float = ALPHA, test: Test = "w", most: int | None = None, own: Indices | None = None
+) -> Snooping:
     """Iterative data snooping by the rule above; alpha is the level of one test, `most` bounds the number of accused.
 
-    For a given level of the whole adjustment take `alpha=familywise(0.05, a.observations)`. Raises ValueError where the
-    adjustment has failed.
+    For a given level of the whole adjustment take `alpha=familywise(0.05, a.observations)`, or the sharper one of
+    `adjust.quality.inspected`. own (rows): the number of the group whose sigma0 each observation is tested with, -1 for
+    the a priori one; it takes the place of `test`. Raises ValueError where the adjustment has failed.
     """
+    label = np.full(a.groups.rows, -1 if test == "w" else 0, dtype=np.intp) if own is None else own
     limit = int(SHARE_MOST * a.observations) if most is None else most
     accused: dict[int, Accused] = {}
     current, weights = a, a.groups.weights
     for _ in range(ADJUSTMENTS_MOST):
-        fresh = _searched(current, alpha, test, limit - len(accused))
+        fresh = _searched(current, alpha, label, limit - len(accused))
         if not fresh:
-            return Snooping(tuple(accused.values()), current)
+            return Snooping(tuple(accused.values()), current, alpha)
         accused.update((each.row, each) for each in fresh)
         trial = weights.copy()
         trial[list(accused)] = 0.0
         current = reweighted(current, trial)
         if not current.status.ok or len(accused) >= limit:
             break
-    return Snooping(tuple(accused.values()), current, stopped=True)
+    return Snooping(tuple(accused.values()), current, alpha, stopped=True)
 
 
-def _searched(a: Adjustment, alpha: float, test: Test, limit: int) -> list[Accused]:
+def _searched(a: Adjustment, alpha: float, label: Indices, limit: int) -> list[Accused]:
     """One search in the linear model of an adjustment."""
-    search = _Search(Reliability.of(a, alpha), test, alpha)
+    search = _Search(Reliability.of(a, alpha), label, alpha)
     accused: dict[int, Accused] = {}
     back: set[int] = set()
-    while len(search.out) < limit and search.degrees > 1:
-        statistics = search.statistics()
+    while len(search.out) < limit and search.degrees > 1.5:
+        statistics, critical = search.statistics()
         statistics[list(back)] = 0.0
-        i = int(np.argmax(statistics))
-        if statistics[i] > search.critical:
-            accused[i] = _accusation(search, i, float(statistics[i]))
+        i = int(np.argmax(statistics / critical))
+        if statistics[i] > critical[i]:
+            accused[i] = _accusation(search, i, float(statistics[i]), float(critical[i]))
             search.take_out(i)
             continue
         innocent = search.acquitted()
@@ -183,7 +199,7 @@ def _searched(a: Adjustment, alpha: float, test: Test, limit: int) -> list[Accus
     return [accused[i] for i in search.out]
 
 
-def _accusation(search: _Search, i: int, statistic: float) -> Accused:
+def _accusation(search: _Search, i: int, statistic: float, critical: float) -> Accused:
     rows, groups = search.found.influence.rows, search.found.influence.adjustment.groups
     column, r = search.column(i), float(search.redundancy[i])
     root = np.sqrt(np.where(search.redundancy > LEAST_CHECKED, search.redundancy * r, np.inf))
@@ -194,7 +210,7 @@ def _accusation(search: _Search, i: int, statistic: float) -> Accused:
         i,
         row_name(groups, i),
         statistic,
-        search.critical,
+        critical,
         float(-search.standard[i] / r / np.sqrt(rows.weight[i])),
         r,
         tuple(row_name(groups, int(j)) for j in others if correlation[j] > CONFUSED),

@@ -44,7 +44,7 @@ def w_critical(alpha: float = ALPHA) -> float:
     return float(scipy.special.ndtri(1.0 - alpha / 2.0))
 
 
-def tau_critical(redundancy: int, alpha: float = ALPHA) -> float:
+def tau_critical(redundancy: float, alpha: float = ALPHA) -> float:
     """The bound that |tau| of one observation exceeds with probability alpha, from Student's t (Pope 1976).
 
     tau = sqrt(f) t / sqrt(f - 1 + t^2), t with f - 1 degrees of freedom. For redundancy 1 |tau| is always 1.
@@ -55,7 +55,18 @@ def tau_critical(redundancy: int, alpha: float = ALPHA) -> float:
     return float(np.sqrt(redundancy) * t / np.sqrt(redundancy - 1.0 + t**2))
 
 
-def familywise(alpha: float, count: int) -> float:
+def tau_noncentrality(redundancy: float, alpha: float = ALPHA, power: float = POWER) -> float:
+    """delta0 of the tau test: the error itself raises the estimated sigma0, so it is larger than that of the w test.
+
+    t is noncentral then, with f - 1 degrees of freedom; NaN for a redundancy below 2.
+    """
+    if redundancy < 2:
+        return float("nan")
+    t = scipy.special.stdtrit(redundancy - 1, 1.0 - alpha / 2.0)
+    return float(scipy.special.nctdtrinc(redundancy - 1, 1.0 - power, t))
+
+
+def familywise(alpha: float, count: float) -> float:
     """The level of each of `count` tests by which all together reject wrongly with probability alpha (Sidak 1967).
 
     For dependent tests the level of all is at most alpha.
@@ -73,6 +84,8 @@ class Reliability:
     influence: Influence
     alpha: float = ALPHA
     power: float = POWER
+    shifts: Floats | None = None
+    """(n) the shift of the standardised residual that the test of each observation finds; None: delta0 of the w test"""
 
     @classmethod
     def of(cls, adjustment: Adjustment, alpha: float = ALPHA, power: float = POWER) -> Reliability:
@@ -84,7 +97,12 @@ class Reliability:
 
     @property
     def delta0(self) -> float:
+        """Of the w test."""
         return noncentrality(self.alpha, self.power)
+
+    @cached_property
+    def _shifts(self) -> Floats:
+        return np.full(len(self), self.delta0) if self.shifts is None else self.shifts
 
     @property
     def redundancy(self) -> Floats:
@@ -116,7 +134,7 @@ class Reliability:
         """(n) the minimal detectable bias in the unit of the observation, for the a priori standard deviations."""
         with np.errstate(divide="ignore"):
             sigma = 1.0 / np.sqrt(self.influence.rows.weight)
-        return np.where(np.isnan(self._root), np.inf, self.delta0 * sigma / self._root)
+        return np.where(np.isnan(self._root), np.inf, self._shifts * sigma / self._root)
 
     @cached_property
     def external(self) -> Floats:
@@ -124,7 +142,7 @@ class Reliability:
         thing.
         """
         r = self._root**2
-        return np.where(np.isnan(r), np.inf, self.delta0 * np.sqrt((1.0 - r) / r))
+        return np.where(np.isnan(r), np.inf, self._shifts * np.sqrt((1.0 - r) / r))
 
     def effect(self, rows: Sequence[int] | Indices, *names: Name) -> Floats:
         """(len(rows), len(names)): what the minimal detectable bias of an observation does to the named unknowns.
@@ -133,12 +151,12 @@ class Reliability:
         """
         at = np.array([self.influence.adjustment.layout.index(*name) for name in names], dtype=np.intp)
         chosen = np.asarray(rows, dtype=np.intp)
-        return np.asarray(self.influence.effect(chosen, at) * (self.delta0 / self._root[chosen])[:, None])
+        return np.asarray(self.influence.effect(chosen, at) * (self._shifts / self._root)[chosen, None])
 
     def worst_effect(self, at: Indices) -> tuple[Floats, Indices]:
         """For each place in x of `at`: the largest effect of any undetected bias, and the observation it comes from."""
         rows = np.flatnonzero(np.isfinite(self._root))
-        effect = np.abs(self.influence.effect(rows, at)) * (self.delta0 / self._root[rows])[:, None]
+        effect = np.abs(self.influence.effect(rows, at)) * (self._shifts / self._root)[rows, None]
         worst = np.argmax(effect, axis=0)
         return np.asarray(effect[worst, np.arange(len(at))]), rows[worst]
 

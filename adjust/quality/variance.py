@@ -33,6 +33,8 @@ from simfield.block import Floats, Indices
 
 CHANGE_LEFT = 1e-4
 """of the factors in their standard deviations, where the iteration ends"""
+STD_MOST = 1.0
+"""of a factor in its own size, from which on it does not make the iteration end earlier"""
 ROUNDS_MOST = 50
 STEP_MOST = 10.0
 REDUNDANCY_LEAST = 1.0
@@ -58,6 +60,11 @@ class VarianceComponents:
     adjustment: Adjustment
     rounds: int
     converged: bool
+
+    @property
+    def held(self) -> npt.NDArray[np.bool_]:
+        """Groups whose factor was not estimated."""
+        return np.isnan(self.factor_std)
 
     @property
     def sigma_factor(self) -> Floats:
@@ -89,7 +96,7 @@ def groups_by_camera(a: Adjustment) -> dict[str, Indices]:
 def variance_components(a: Adjustment, groups: Mapping[str, Indices] | None = None) -> VarianceComponents:
     """Estimate one factor a group, by default of `groups_by_camera`; rows in no group keep their weights.
 
-    Raises ValueError where an adjustment fails, or when groups overlap.
+    Raises ValueError where an adjustment fails, when groups overlap, or where their components cannot be told apart.
     """
     groups = groups_by_camera(a) if groups is None else groups
     label = _labels(a, groups)
@@ -99,12 +106,17 @@ def variance_components(a: Adjustment, groups: Mapping[str, Indices] | None = No
         helmert, squares, count = _helmert(Influence.of(current), label, len(groups) + 1)
         redundancy = helmert.sum(axis=1)[:-1]
         estimated = (redundancy >= REDUNDANCY_LEAST) & (factor > FACTOR_LEAST)
-        std = _relative_std(helmert, estimated)
-        if converged or rounds == ROUNDS_MOST or not estimated.any():
+        try:
+            std, theta = _relative_std(helmert, estimated), _solution(helmert, squares, estimated)
+        except np.linalg.LinAlgError as error:
+            raise ValueError(f"the variance components of {', '.join(groups)} cannot be told apart") from error
+        # of the equations themselves, and not of a step that was shortened
+        change = np.abs(theta - 1.0) / np.minimum(std, STD_MOST)
+        converged = not bool((change[estimated] > CHANGE_LEFT).any())
+        if converged or rounds == ROUNDS_MOST:
             break
-        theta = damping.step(_solution(helmert, squares, estimated))
-        factor, rounds = np.maximum(factor * theta, FACTOR_LEAST), rounds + 1
-        converged = bool(np.nanmax(np.abs(theta - 1.0) / std) < CHANGE_LEFT)
+        step = damping.step(np.clip(theta, 1.0 / STEP_MOST, STEP_MOST))
+        factor, rounds = np.maximum(factor * step, FACTOR_LEAST), rounds + 1
         current = reweighted(current, weights / np.append(factor, 1.0)[label])
         if not current.status.ok:
             raise ValueError(f"the block cannot be adjusted with these variances: {current.message}")
@@ -153,7 +165,8 @@ def _solution(helmert: Floats, squares: Floats, estimated: npt.NDArray[np.bool_]
     held = np.setdiff1d(np.arange(len(helmert)), at)
     right = squares[at] - helmert[np.ix_(at, held)].sum(axis=1)
     theta = np.ones(len(estimated))
-    theta[at] = np.clip(np.linalg.solve(helmert[np.ix_(at, at)], right), 1.0 / STEP_MOST, STEP_MOST)
+    if at.size:
+        theta[at] = np.linalg.solve(helmert[np.ix_(at, at)], right)
     return theta
 
 

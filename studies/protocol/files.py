@@ -13,6 +13,7 @@ import numpy as np
 
 from adjust import Adjustment, correlations
 from adjust.quality import Reliability
+from simfield.block import Floats
 from simfield.files import write_set
 from simfield.numerics import one_thread
 from studies.protocol import record as protocol, text as protocol_text
@@ -46,17 +47,17 @@ def write(a: Adjustment, folder: Path) -> list[Path]:
         contents = {
             "protocol.txt": protocol_text.page(record),
             "protocol.json": json.dumps(record, indent=1, allow_nan=False, ensure_ascii=False) + "\n",
-            "observations.csv": observations_csv(a, findings.reliability),
+            "observations.csv": observations_csv(a, findings.reliability, findings.inspection.reliability.mdb),
             "correlations.csv": correlations_csv(a),
         }
     write_set(folder, {name: text.encode() for name, text in contents.items()})
     return [folder / name for name in contents]
 
 
-def observations_csv(a: Adjustment, found: Reliability) -> str:
+def observations_csv(a: Adjustment, found: Reliability, mdb: Floats) -> str:
     """One line an image point, in the order of the block; w and mdb are empty where nothing checks an observation."""
     rows = found.image_points
-    columns = [a.residuals, *(each[rows].reshape(-1, 2) for each in (found.redundancy, found.w, found.mdb))]
+    columns = [a.residuals, *(each[rows].reshape(-1, 2) for each in (found.redundancy, found.w, mdb))]
     o, b = a.block.observations, a.block
     ids = ((b.images.ids[i], b.points.ids[p]) for i, p in zip(o.image.tolist(), o.point.tolist(), strict=True))
     digits = (6, 6, 5, 5, 4, 4, 6, 6)

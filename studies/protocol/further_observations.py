@@ -8,6 +8,7 @@ from typing import Any
 from adjust import Adjustment
 from adjust.model import EXTERIOR_NAMES
 from adjust.quality import Reliability
+from simfield.block import Floats
 
 Record = dict[str, Any]
 DEGREES_PER_RADIAN = 180.0 / math.pi
@@ -36,15 +37,15 @@ def factor(of_unit: str) -> float:
     return DEGREES_PER_RADIAN if of_unit == "deg" else 1.0
 
 
-def observations(a: Adjustment, found: Reliability) -> list[Record]:
-    """Every further observation: correction, redundancy number, w and minimal detectable bias."""
+def observations(a: Adjustment, found: Reliability, mdbs: Floats) -> list[Record]:
+    """Every further observation: correction, redundancy number, w and minimal detectable bias, of all rows in mdbs."""
     groups = a.regular.groups
     row = 2 * len(a.block.observations) + len(groups.control.columns)
     records = []
     for group in groups.further:
         of_unit = UNITS.get(group.name, "")
         for label in group.labels:
-            w, mdb = float(found.w[row]), factor(of_unit) * float(found.mdb[row])
+            w, mdb = float(found.w[row]), factor(of_unit) * float(mdbs[row])
             records.append(
                 {
                     "observation": label,

@@ -14,23 +14,23 @@ from typing import Any
 
 import numpy as np
 
-from adjust import MOTIONS, Adjustment, FreeAdjustment
+from adjust import MOTIONS, Adjustment, FreeAdjustment, reweighted
 from adjust.model import POINT_NAMES
 from adjust.quality import (
+    LEVEL,
     POWER,
     Accused,
     ApSignificance,
+    Inspection,
     Reliability,
-    Snooping,
+    VarianceComponents,
     aic,
     ap_significance,
     bic,
-    familywise,
     global_test,
     groups_by_camera,
+    inspected,
     leave_one_image_out,
-    noncentrality,
-    snoop,
     tau_critical,
     variance_components,
     w_critical,
@@ -39,11 +39,10 @@ from studies.protocol import adjustment_page, further_observations as protocol_f
 from studies.protocol.advice import advice
 
 Record = dict[str, Any]
-LEVEL = 0.05
-"""of the global test and of the search for gross errors as a whole"""
 ALPHA = 0.001
-"""of the test of one observation, and of the minimal detectable bias"""
+"""of the bound beside which the w of single observations are counted"""
 ACCUSED_MOST = 50
+ORDER = ["variance components", "gross errors", "additional parameters"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,17 +53,30 @@ class ProtocolFindings:
 
     @cached_property
     def reliability(self) -> Reliability:
+        """Of the stated standard deviations."""
         return Reliability.of(self.adjustment, ALPHA, POWER)
 
     @cached_property
-    def snooping(self) -> Snooping:
-        """The tau test: a common factor of all standard deviations accuses nobody."""
-        a = self.adjustment
-        return snoop(a, familywise(LEVEL, a.observations), "tau", ACCUSED_MOST)
+    def inspection(self) -> Inspection:
+        """Components, search and minimal detectable biases: a wrong standard deviation of a group accuses nobody."""
+        return inspected(self.adjustment, LEVEL, ACCUSED_MOST, POWER)
+
+    @cached_property
+    def components(self) -> VarianceComponents | None:
+        """Those of all groups without the suspected observations; None where they cannot be estimated."""
+        a, weights = self.adjustment, self.adjustment.groups.weights
+        weights[self.inspection.suspected] = 0.0
+        try:
+            return variance_components(reweighted(a, weights) if len(self.inspection.suspected) else a)
+        except ValueError:
+            return None
 
     @cached_property
     def ap(self) -> dict[str, ApSignificance]:
-        return {camera: ap_significance(self.adjustment, camera) for camera, e in self.adjustment.ap.items() if e.names}
+        """Tested in what the search left, with the components."""
+        left = self.inspection.adjustment
+        left = left if left.status.ok else self.adjustment
+        return {camera: ap_significance(left, camera) for camera, e in left.ap.items() if e.names}
 
 
 def record(a: Adjustment, findings: ProtocolFindings | None = None) -> Record:
@@ -80,10 +92,11 @@ def record(a: Adjustment, findings: ProtocolFindings | None = None) -> Record:
         "ap_sets": {s.id: a.layout.owner_of(s) for s in a.layout.sets},
         "ap_significance": {camera: _significance(s) for camera, s in findings.ap.items()},
         "reliability": reliability(findings),
-        "suspected": [_accused(a, each) for each in findings.snooping.accused],
+        "order_of_tests": ORDER,
+        "suspected": [_accused(a, each) for each in findings.inspection.snooping.accused],
         "search": _search(findings),
         "control": control(findings),
-        "further": protocol_further.observations(a, findings.reliability),
+        "further": protocol_further.observations(a, findings.reliability, findings.inspection.reliability.mdb),
         "biases": protocol_further.biases(a),
         "residuals_by_image": protocol_residuals.by_image(a),
         "residuals_by_radius": protocol_residuals.by_radius(a),
@@ -136,13 +149,10 @@ def datum(a: Adjustment) -> Record:
 def groups(findings: ProtocolFindings) -> list[Record]:
     """Count, redundancy and vPv of every group of observations, with the factor of its standard deviations."""
     a = findings.adjustment
-    try:
-        components = variance_components(a)
-        factors = dict(
-            zip(components.names, zip(components.sigma_factor, components.sigma_factor_std, strict=True), strict=True)
-        )
-    except ValueError:
-        factors = {}
+    components, factors = findings.components, {}
+    if components is not None:
+        both = zip(components.sigma_factor, components.sigma_factor_std, strict=True)
+        factors = dict(zip(components.names, both, strict=True))
     standard, r = findings.reliability.influence.rows.standard, findings.reliability.redundancy
     found = []
     for name, rows in groups_by_camera(a).items():
@@ -171,16 +181,16 @@ def model_choice(a: Adjustment) -> Record:
 
 def reliability(findings: ProtocolFindings) -> Record:
     """The reliability of the image coordinates in a few numbers, and of the points: the worst effect of a hidden
-    error.
+    error. Minimal detectable biases are those of the search: of its level and of the precision that was found.
     """
-    found, a = findings.reliability, findings.adjustment
+    found, a, tested = findings.reliability, findings.adjustment, findings.inspection.reliability
     rows = found.image_points
-    r, mdb = found.redundancy[rows], found.mdb[rows]
+    r, mdb, external = found.redundancy[rows], tested.mdb[rows], tested.external[rows]
     weakest = int(np.argmin(r))
     return {
-        "alpha": ALPHA,
+        "alpha": tested.alpha,
         "power": POWER,
-        "delta0": noncentrality(ALPHA, POWER),
+        "delta0": float(np.mean(tested.shifts[rows])) if tested.shifts is not None else tested.delta0,
         "redundancy_least": float(r[weakest]),
         "redundancy_least_of": found.name(weakest),
         "redundancy_mean": float(r.mean()),
@@ -188,8 +198,9 @@ def reliability(findings: ProtocolFindings) -> Record:
         "below_0.3": int(np.sum(r < 0.3)),
         "mdb_median_um": number(1000.0 * float(np.median(mdb))),
         "mdb_most_um": number(1000.0 * float(mdb.max())),
-        "external_median": number(float(np.median(found.external[rows]))),
-        "external_most": number(float(found.external[rows].max())),
+        "external_median": number(float(np.median(external))),
+        "external_most": number(float(external.max())),
+        "w_alpha": ALPHA,
         "w_critical": w_critical(ALPHA),
         "tau_critical": tau_critical(a.redundancy, ALPHA),
         "w_above_critical": int(np.sum(np.abs(found.w) > w_critical(ALPHA))),
@@ -199,7 +210,7 @@ def reliability(findings: ProtocolFindings) -> Record:
 
 def control(findings: ProtocolFindings) -> list[Record]:
     """Weighted control coordinates: correction, redundancy, w; fixed ones have none."""
-    found = findings.reliability
+    found, mdb = findings.reliability, findings.inspection.reliability.mdb
     start = found.image_points.stop
     given = findings.adjustment.regular.groups.control
     return [
@@ -209,7 +220,7 @@ def control(findings: ProtocolFindings) -> list[Record]:
             "v_m": float(found.influence.rows.v[row]),
             "redundancy": float(found.redundancy[row]),
             "w": number(float(found.w[row])),
-            "mdb_m": number(float(found.mdb[row])),
+            "mdb_m": number(float(mdb[row])),
         }
         for row, at in enumerate(given.coordinates.tolist(), start=start)
     ]
@@ -266,12 +277,15 @@ def _accused(a: Adjustment, each: Accused) -> Record:
 
 
 def _search(findings: ProtocolFindings) -> Record:
-    a = findings.adjustment
-    alpha = familywise(LEVEL, a.observations)
+    inspection = findings.inspection
+    weights = findings.adjustment.groups.weights
+    weights[inspection.suspected] = 0.0
+    without = reweighted(findings.adjustment, weights) if len(inspection.suspected) else findings.adjustment
     return {
-        "test": "tau",
+        "test": "tau, each observation with the sigma0 of its group",
         "level_of_all": LEVEL,
-        "critical": tau_critical(a.redundancy, alpha),
-        "stopped": findings.snooping.stopped,
-        "sigma0_without": number(findings.snooping.adjustment.sigma0),
+        "level_of_one": inspection.alpha,
+        "critical": w_critical(inspection.alpha),
+        "stopped": inspection.snooping.stopped,
+        "sigma0_without": number(without.sigma0),
     }

@@ -145,32 +145,33 @@ def _parameters(found: Record) -> Iterator[str]:
         )
         yield f"{found['ap_sets'][set_id]} (mm, per power of mm)"
         yield from _table(header, rows)
+    yield "tested with the variance components and without suspected observations"
     yield "t, p: each beside all others; z, p added: what each adds to those above it; R: multiple correlation with the"
     yield "exterior orientation and with all other orientation unknowns"
 
 
 def _reliability(found: Record) -> Iterator[str]:
     r = found["reliability"]
-    critical = f"critical w {r['w_critical']:.2f}, tau {r['tau_critical']:.2f}"
-    yield f"level {r['alpha']:.1%}, power {r['power']:.0%}, delta0 {r['delta0']:.2f}, {critical}"
     yield f"redundancy numbers: mean {r['redundancy_mean']:.3f}"
     yield f"least {r['redundancy_least']:.3f}: {r['redundancy_least_of']}"
     yield f"{r['below_0.1']} below 0.1, {r['below_0.3']} below 0.3"
     median, most = (_number(r[f"mdb_{which}_um"], ".1f") for which in ("median", "most"))
-    yield f"minimal detectable bias: median {median} um, most {most} um"
+    yield f"minimal detectable bias: median {median} um, most {most} um, found by the search below with a power of"
+    yield f"{r['power']:.0%} (level of one observation {r['alpha']:.1e}, delta0 {r['delta0']:.2f})"
     yield (
         f"a hidden bias moves no unknown by more than (in its a priori standard deviations): median "
         f"{_number(r['external_median'], '.2f')}, most {_number(r['external_most'], '.2f')}"
     )
-    expected = f"{r['w_above_critical_expected']:.1f} expected if all is well"
-    yield f"{r['w_above_critical']} observations above the critical w, {expected}"
+    expected = f"{r['w_above_critical_expected']:.1f} expected if the stated standard deviations are right"
+    yield f"{r['w_above_critical']} observations above w {r['w_critical']:.2f} ({r['w_alpha']:.1%}), {expected}"
     yield "every observation: observations.csv"
 
 
 def _suspected(found: Record) -> Iterator[str]:
     search = found["search"]
-    level = f"{search['level_of_all']:.0%} for all tests together"
-    yield f"iterative data snooping, tau test, {level}, critical {search['critical']:.2f}"
+    yield "order of the tests: variance components of the groups, gross errors, additional parameters"
+    yield "iterative data snooping, each observation tested with the sigma0 of its group; accuses anybody in"
+    yield f"{search['level_of_all']:.0%} of blocks without gross errors; critical {search['critical']:.2f}"
     if not found["suspected"]:
         yield "none"
         return

@@ -110,7 +110,7 @@ class TestSnooping:
 
     def test_the_downdates_are_adjustments(self, wrong: Adjustment) -> None:
         """Corrections and redundancy numbers after taking rows out, against the full matrices without these rows."""
-        search = _Search(Reliability.of(wrong), "w", 0.001)
+        search = _Search(Reliability.of(wrong), np.full(wrong.groups.rows, -1), 0.001)
         out = [10, 81, 83]
         for row in out:
             search.take_out(row)
@@ -133,14 +133,14 @@ class TestSnooping:
         kept = np.setdiff1d(np.arange(k2), out)
         q, _ = np.linalg.qr(a[kept] / np.linalg.norm(a[kept], axis=0))
         r = np.eye(len(kept)) - q @ q.T
-        search = _Search(Reliability.of(wrong), "w", 0.001)
+        search = _Search(Reliability.of(wrong), np.full(wrong.groups.rows, -1), 0.001)
         for row in out:
             search.take_out(row)
         np.testing.assert_allclose(search.redundancy[kept], np.diag(r), rtol=0.0, atol=dense.SAME)
         np.testing.assert_allclose(
             search.standard[kept], r @ (np.sqrt(weight) * v)[place][kept], rtol=0.0, atol=dense.SAME
         )
-        assert search.vpv == pytest.approx(np.sum(search.standard**2), rel=1e-12)
+        assert float(search.standard @ search.standard) == pytest.approx(np.sum(search.standard**2), rel=1e-12)
 
     def test_two_rays_cannot_tell_who_is_wrong(self, ww_world: synthetic.World) -> None:
         """Of a point in two images one y is wrong: it is seen, and said that it could be the other one."""

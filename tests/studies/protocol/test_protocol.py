@@ -11,6 +11,7 @@ import pytest
 from click.testing import CliRunner
 
 from adjust import Adjustment, adjust_block, ap_models
+from adjust.quality.inspection import inspected
 from adjust.quality.model_choice import aic, bic, leave_one_image_out
 from adjust.quality.reliability import Reliability
 from simfield.block.block import Block
@@ -75,7 +76,8 @@ def test_files(a: Adjustment, tmp_path: Path) -> None:
     quality = Reliability.of(a)
     np.testing.assert_allclose(values[:, 2:4].ravel(), quality.redundancy[quality.image_points], rtol=0.0, atol=1e-5)
     np.testing.assert_allclose(values[:, 4:6].ravel(), quality.w[quality.image_points], rtol=0.0, atol=1e-4)
-    np.testing.assert_allclose(values[:, 6:].ravel(), quality.mdb[quality.image_points], rtol=0.0, atol=1e-6)
+    tested = inspected(a, most=protocol.ACCUSED_MOST).reliability
+    np.testing.assert_allclose(values[:, 6:].ravel(), tested.mdb[tested.image_points], rtol=0.0, atol=1e-6)
     header, *rows = read(files[3])
     size = a.layout.orientation
     assert len(header) == size + 1
