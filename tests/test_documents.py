@@ -39,7 +39,7 @@ NOT_RUN = {
 SHORTENED = {
     "simfield reproduce ziemann-1982": "simfield reproduce ziemann-1982 --trials 2 --jobs 2",
     "simfield budget": "simfield budget --trials 2",
-    "simfield detection": "simfield detection --trials 2 --contests 2",
+    "simfield detection": "simfield detection --trials 2 --contests 2 --blocks 2",
     "simfield run ap-models --jobs 4": "simfield run ap-models --jobs 2 --trials 64",
     "simfield run ap-models --trials 4000": "simfield run ap-models --jobs 2 --trials 128",
     "simfield run ap-models --trials 500": "simfield run ap-models --trials 64",

@@ -58,8 +58,9 @@ def reproduce(what: str, out: Path | None, trials: int, jobs: int | None, seed: 
 @click.option("--out", type=FOLDER, default=Path("results/detection"), show_default=True, help="Folder to write.")
 @click.option("--trials", type=click.IntRange(2), default=2000, show_default=True, help="Trials with one wrong error.")
 @click.option("--contests", type=click.IntRange(2), default=20, show_default=True, help="Trials with many at once.")
+@click.option("--blocks", type=click.IntRange(1), default=100, show_default=True, help="Blocks that are searched.")
 @click.option("--seed", type=click.IntRange(0), default=1980, show_default=True, help="Seed of all that is random.")
-def detection(source: str, model_id: str, out: Path, trials: int, contests: int, seed: int) -> None:
+def detection(source: str, model_id: str, out: Path, trials: int, contests: int, blocks: int, seed: int) -> None:
     """Say how often gross errors of 4 to 20 standard deviations are found, missed and laid to others."""
     from adjust import ap_models
     from simfield import simulate
@@ -68,11 +69,15 @@ def detection(source: str, model_id: str, out: Path, trials: int, contests: int,
 
     try:
         model = ap_models.get(model_id)
-        block, _ = simulate(simulation.scenario(source), seed)
+        scenario = simulation.scenario(source)
+        block, _ = simulate(scenario, seed)
     except (KeyError, simulation.WrongScenarioError) as error:
         raise click.UsageError(str(error.args[0])) from error
+    of = detection_page.Trials(trials, contests, blocks, seed)
     try:
-        for path in detection_page.write(out, block, model, trials, contests, seed, source):
+        for path in detection_page.write(
+            out, block, lambda number: simulate(scenario, seed + 1 + number)[0], model, of, source
+        ):
             click.echo(path)
     except (ArithmeticError, ValueError, OSError) as error:
         raise click.ClickException(str(error)) from error

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import json
 import time
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -15,7 +16,7 @@ from adjust.quality import ALPHA, familywise
 from simfield.block import Block
 from simfield.files import make_folder, whole_folder
 from simfield.numerics import one_thread
-from studies.experiments.detection import detection, many_at_once
+from studies.experiments.detection import detection, many_at_once, search_of_blocks
 from studies.figures import BLACK, BLUE, GREY, VERMILION, house_style, new_figure, save
 from studies.session import progress_bar, provenance
 from studies.texts import markdown, write_csv
@@ -46,6 +47,7 @@ FORMATS = {
     "false_alarms": ".3e",
     "false_alarms_mcse": ".1e",
 }
+SEARCH_FORMATS = {"n": ".0f", "accused": ".4f", "accused_mcse": ".4f", "stated": ".2f"}
 MANY_FORMATS = {
     "share": ".3f",
     "found": ".4f",
@@ -59,60 +61,84 @@ MANY_FORMATS = {
 
 @dataclass(frozen=True, eq=False)
 class DetectionFindings:
-    """one: a row a level and size; many: a row a share and method; and what was adjusted."""
+    """one: a row a level and size; many: a row a share and method; search: two rows, the search of the protocol in
+    blocks with their own errors; and what was adjusted.
+    """
 
     block: Block
     model: ApModel
     one: pd.DataFrame
     many: pd.DataFrame
+    search: pd.DataFrame
 
 
 OLDER = ("report.html",)
 """what `simfield report` made of older results"""
 
 
-def find(block: Block, model: ApModel, trials: int, contests: int, seed: int) -> DetectionFindings:
-    """One error at a time at two levels, the errors the same at both, and many at once. Raises ValueError for a block
-    that cannot be adjusted.
+@dataclass(frozen=True)
+class Trials:
+    """How many: trials with one wrong error, contests with many, blocks that are searched; and the seed of all."""
+
+    trials: int
+    contests: int
+    blocks: int
+    seed: int
+
+
+def find(block: Block, drawn: Callable[[int], Block], model: ApModel, of: Trials) -> DetectionFindings:
+    """One error at a time at two levels, the errors the same at both, many at once, and the search of the protocol in
+    blocks drawn by their number. Raises ValueError for a block that cannot be adjusted.
     """
     levels = (ALPHA, familywise(FAMILY_ALPHA, 2 * len(block.observations)))
     one, many = [], []
-    with one_thread(), progress_bar(len(levels) * len(SIZES) + len(SHARES), "tables") as bar:
+    with one_thread(), progress_bar(len(levels) * len(SIZES) + len(SHARES) + of.blocks, "tables and blocks") as bar:
         for level in levels:
             for size in SIZES:
-                one.append(detection(block, model, trials, seed, (size,), level))
+                one.append(detection(block, model, of.trials, of.seed, (size,), level))
                 bar.update()
         for share in SHARES:
-            table = many_at_once(block, model, share, contests, seed, FAMILY_ALPHA)
+            table = many_at_once(block, model, share, of.contests, of.seed, FAMILY_ALPHA)
             table.insert(0, "share", share)
             many.append(table)
             bar.update()
+
+        def blocks() -> Iterator[Block]:
+            for number in range(of.blocks):
+                yield drawn(number)
+                bar.update()
+
+        search = search_of_blocks(blocks(), model, of.seed)
     return DetectionFindings(
-        block, model, _ordered(pd.concat(one, ignore_index=True)), pd.concat(many, ignore_index=True)
+        block, model, _ordered(pd.concat(one, ignore_index=True)), pd.concat(many, ignore_index=True), search
     )
 
 
-def write(folder: Path, block: Block, model: ApModel, trials: int, contests: int, seed: int, source: str) -> list[Path]:
+def write(
+    folder: Path, block: Block, drawn: Callable[[int], Block], model: ApModel, of: Trials, source: str
+) -> list[Path]:
     """Compute everything and write it, as one; the files. source: the block in words. Raises ValueError, OSError."""
     make_folder(folder)
     start = time.perf_counter()
-    found = find(block, model, trials, contests, seed)
-    command = f"simfield detection {source} --ap {model.id} --trials {trials} --contests {contests} --seed {seed}"
-    parameters = {"block": source, "ap": model.id, "trials": trials, "contests": contests, "seed": seed}
+    found = find(block, drawn, model, of)
+    parameters = {"block": source, "ap": model.id, **asdict(of)}
+    options = " ".join(f"--{name} {value}" for name, value in parameters.items() if name != "block")
+    command = f"simfield detection {source} {options}"
     said = provenance(command, parameters, time.perf_counter() - start)
     with whole_folder(folder, OLDER) as new:
         write_csv(found.one, new / "detection.csv", FORMATS)
         write_csv(found.many, new / "many-at-once.csv", MANY_FORMATS)
-        (new / "report.md").write_text(page(found, command, trials, contests), encoding="utf-8")
+        write_csv(found.search, new / "protocol-search.csv", SEARCH_FORMATS)
+        (new / "report.md").write_text(page(found, command, of), encoding="utf-8")
         with house_style():
             figure = new_figure(180.0, 85.0)
             left, right = figure.subplots(1, 2)
             draw_power(left, found.one)
             draw_many(right, found.many)
-            drawn = save(figure, new / "detection", *SAYS)
+            figures = save(figure, new / "detection", *SAYS)
         (new / "provenance.json").write_text(json.dumps(said, indent=1) + "\n", encoding="utf-8")
-    names = ("detection.csv", "many-at-once.csv", "report.md", "provenance.json")
-    return [folder / name for name in (*names, *(path.name for path in drawn))]
+    names = ("detection.csv", "many-at-once.csv", "protocol-search.csv", "report.md", "provenance.json")
+    return [folder / name for name in (*names, *(path.name for path in figures))]
 
 
 def worst_deviation(one: pd.DataFrame) -> tuple[float, float]:
@@ -159,7 +185,7 @@ def draw_many(axes: Axes, many: pd.DataFrame) -> None:
     axes.legend(loc="upper left")
 
 
-def page(found: DetectionFindings, command: str, trials: int, contests: int) -> str:
+def page(found: DetectionFindings, command: str, of: Trials) -> str:
     """The report in Markdown."""
     power, alarms = worst_deviation(found.one)
     within = max(power, alarms) <= STANDARD_ERRORS
@@ -168,16 +194,23 @@ def page(found: DetectionFindings, command: str, trials: int, contests: int) -> 
         "# How often gross errors are found\n\n"
         f"`{command}`: {2 * len(found.block.observations)} image coordinates, parameters of {found.model.id}.\n\n"
         "## One wrong coordinate\n\n"
-        f"{trials} trials a row; in each one coordinate, chosen at random, is wrong by size_sigma standard deviations, "
-        "all others have normal errors of the stated standard deviations. found: the wrong coordinate has the largest "
-        "|w|, above the critical value; wrongly_accused: another has it; missed: none is above. power: its own |w| is "
+        f"{of.trials} trials a row; in each one coordinate, chosen at random, is wrong by size_sigma standard "
+        "deviations, all others have normal errors of the stated standard deviations. found: the wrong coordinate has "
+        "the largest |w|, above the critical value; wrongly_accused: another has it; missed: none is above. power: its own |w| is "
         "above, beside Baarda's theory for its redundancy number. false_alarms: share of right coordinates above. "
         "mcse: Monte-Carlo standard errors. The second level is 5 % for all tests together.\n\n"
         f"{markdown(found.one, FORMATS)}\n"
         f"Largest deviation from theory, in Monte-Carlo standard errors: power {power:.1f}, false alarms without a "
         f"gross error {alarms:.1f}: {verdict} (bound {STANDARD_ERRORS:g}).\n\n"
+        "## The search of the protocol\n\n"
+        f"{of.blocks} blocks drawn anew from the scenario, with the noise that it has and not that which is stated; "
+        "first as they are, then with one coordinate wrong by the minimal detectable bias that the protocol prints for "
+        "it. accused: share of blocks in which anybody, then in which this coordinate is accused; stated: what the "
+        "protocol promises. Scenarios with systematic errors that the set of additional parameters cannot follow "
+        "accuse more.\n\n"
+        f"{markdown(found.search, SEARCH_FORMATS)}\n"
         "## Many at once\n\n"
-        f"{contests} trials a row; a share of all coordinates is wrong by 6 to 20 standard deviations; "
+        f"{of.contests} trials a row; a share of all coordinates is wrong by 6 to 20 standard deviations; "
         f"{FAMILY_ALPHA:.0%} for all tests together. found: share of the wrong ones that are accused; accused_wrongly: "
         "share of the right ones; point_rms_m: rms error of the adjusted coordinates.\n\n"
         f"{markdown(found.many, MANY_FORMATS)}\n"

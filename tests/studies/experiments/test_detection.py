@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -10,9 +11,10 @@ import pytest
 from click.testing import CliRunner
 
 from adjust import adjust_block, ap_models
+from simfield.block import Block
 from studies.commands.program import main
 from studies.experiments import detection_page
-from studies.experiments.detection import Share, detection, error_free, many_at_once
+from studies.experiments.detection import Share, detection, error_free, many_at_once, search_of_blocks
 from tests import synthetic
 
 MODEL = ap_models.get("optical")
@@ -52,6 +54,21 @@ def test_a_share_of_nothing_has_an_error() -> None:
     assert Share(50, 100).mcse == pytest.approx(0.05, rel=0.05)
 
 
+def test_the_search_of_the_protocol_in_blocks_of_other_noise(ww_world: synthetic.World) -> None:
+    """Noise of half of what is stated: nobody would be accused by the stated one, and no error of its bias found."""
+    random = np.random.default_rng(3)
+    o = ww_world.block.observations
+
+    def drawn() -> Iterator[Block]:
+        for _ in range(30):
+            yield ww_world.with_image_points(o.xy + 0.5 * o.sigma * random.standard_normal(o.xy.shape)).block
+
+    found = search_of_blocks(drawn(), MODEL, 7).set_index("blocks")
+    assert list(found["stated"]) == [0.05, 0.8]
+    assert list(found["n"]) == [30, 30]
+    assert (np.abs(found["accused"] - found["stated"]) <= 3.5 * found["accused_mcse"]).all()
+
+
 def test_many_at_once(ww_world: synthetic.World) -> None:
     block = ww_world.with_noise(np.random.default_rng(1)).block
     found = many_at_once(block, MODEL, 0.02, 3, 5).set_index("method")
@@ -69,7 +86,8 @@ class TestCommand:
         monkeypatch.setattr(detection_page, "SIZES", (0.0, 12.0))
         monkeypatch.setattr(detection_page, "SHARES", (0.02,))
         block = ww_world.with_noise(np.random.default_rng(1)).block
-        files = detection_page.write(tmp_path / "out", block, MODEL, 60, 2, 7, "a block")
+        of = detection_page.Trials(trials=60, contests=2, blocks=2, seed=7)
+        files = detection_page.write(tmp_path / "out", block, lambda number: block, MODEL, of, "a block")
         assert sorted(f.name for f in files) == sorted(f.name for f in (tmp_path / "out").iterdir())
         table = pd.read_csv(tmp_path / "out" / "detection.csv")
         assert table["size_sigma"].tolist() == [0.0, 12.0] * 2
