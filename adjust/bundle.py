@@ -62,10 +62,11 @@ def adjust_block(
 
 
 def reweighted(a: Adjustment, weights: Floats, taken_out: int = 0) -> Adjustment:
-    """The same adjustment with other weights, from its estimate on; weights in the order of `a.groups.weights`.
+    """The same adjustment with other weights, in the order of `a.groups.weights`, from its estimate on.
 
-    The datum stays what it is. A weight of 0 rejects an observation: it keeps a residual, but counts no more.
-    taken_out: how many observations' worth of weight is taken away beside those, see `Observations`.
+    weights (n) of all n observations are 1/sigma^2 of mm, m or rad. The datum stays what it is. A weight of 0 rejects
+    an observation: it keeps a residual, but counts no more. taken_out: how many observations' worth of weight is taken
+    away beside those, see `Observations`.
     """
     r = a.regular
     groups = r.groups.with_weights(weights, taken_out)

@@ -11,11 +11,11 @@ from __future__ import annotations
 
 from collections.abc import Collection
 from dataclasses import dataclass, field, replace
-from numbers import Real
 
 import numpy as np
 import numpy.typing as npt
 
+from simfield.block.camera import Camera as Camera
 from simfield.block.checks import (
     BlockError as BlockError,
     Floats as Floats,
@@ -33,29 +33,6 @@ ROLES = ("control", "check", "tie")
 EXTERIOR = ("X0_m", "Y0_m", "Z0_m", "omega_deg", "phi_deg", "kappa_deg")
 COORDINATES = ("X_m", "Y_m", "Z_m")
 SIGMAS = ("sigma_X_m", "sigma_Y_m", "sigma_Z_m")
-
-
-@dataclass(frozen=True)
-class Camera:
-    """A frame camera with known interior orientation.
-
-    c_mm is the principal distance, (x0_mm, y0_mm) the principal point in the fiducial frame, width_mm and height_mm
-    the format. Whole numbers become floats.
-    """
-
-    camera_id: str
-    c_mm: float
-    x0_mm: float
-    y0_mm: float
-    width_mm: float
-    height_mm: float
-
-    def __post_init__(self) -> None:
-        for name in ("c_mm", "x0_mm", "y0_mm", "width_mm", "height_mm"):
-            value = getattr(self, name)
-            if isinstance(value, bool) or not isinstance(value, Real):
-                raise BlockError("cameras", f"{value!r} is not a number", column=name)
-            object.__setattr__(self, name, float(value))
 
 
 @dataclass(frozen=True, eq=False)

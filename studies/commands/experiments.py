@@ -73,7 +73,7 @@ def detection(source: str, model_id: str, out: Path, trials: int, contests: int,
         block, _ = simulate(scenario, seed)
     except (KeyError, simulation.WrongScenarioError) as error:
         raise click.UsageError(str(error.args[0])) from error
-    of = detection_page.Trials(trials, contests, blocks, seed)
+    of = detection_page.DetectionTrials(trials, contests, blocks, seed)
     try:
         for path in detection_page.write(
             out, block, lambda number: simulate(scenario, seed + 1 + number)[0], model, of, source

@@ -77,7 +77,7 @@ OLDER = ("report.html",)
 
 
 @dataclass(frozen=True)
-class Trials:
+class DetectionTrials:
     """How many: trials with one wrong error, contests with many, blocks that are searched; and the seed of all."""
 
     trials: int
@@ -86,7 +86,7 @@ class Trials:
     seed: int
 
 
-def find(block: Block, drawn: Callable[[int], Block], model: ApModel, of: Trials) -> DetectionFindings:
+def find(block: Block, drawn: Callable[[int], Block], model: ApModel, of: DetectionTrials) -> DetectionFindings:
     """One error at a time at two levels, the errors the same at both, many at once, and the search of the protocol in
     blocks drawn by their number. Raises ValueError for a block that cannot be adjusted.
     """
@@ -115,7 +115,7 @@ def find(block: Block, drawn: Callable[[int], Block], model: ApModel, of: Trials
 
 
 def write(
-    folder: Path, block: Block, drawn: Callable[[int], Block], model: ApModel, of: Trials, source: str
+    folder: Path, block: Block, drawn: Callable[[int], Block], model: ApModel, of: DetectionTrials, source: str
 ) -> list[Path]:
     """Compute everything and write it, as one; the files. source: the block in words. Raises ValueError, OSError."""
     make_folder(folder)
@@ -185,7 +185,7 @@ def draw_many(axes: Axes, many: pd.DataFrame) -> None:
     axes.legend(loc="upper left")
 
 
-def page(found: DetectionFindings, command: str, of: Trials) -> str:
+def page(found: DetectionFindings, command: str, of: DetectionTrials) -> str:
     """The report in Markdown."""
     power, alarms = worst_deviation(found.one)
     within = max(power, alarms) <= STANDARD_ERRORS
@@ -196,9 +196,9 @@ def page(found: DetectionFindings, command: str, of: Trials) -> str:
         "## One wrong coordinate\n\n"
         f"{of.trials} trials a row; in each one coordinate, chosen at random, is wrong by size_sigma standard "
         "deviations, all others have normal errors of the stated standard deviations. found: the wrong coordinate has "
-        "the largest |w|, above the critical value; wrongly_accused: another has it; missed: none is above. power: its own |w| is "
-        "above, beside Baarda's theory for its redundancy number. false_alarms: share of right coordinates above. "
-        "mcse: Monte-Carlo standard errors. The second level is 5 % for all tests together.\n\n"
+        "the largest |w|, above the critical value; wrongly_accused: another has it; missed: none is above. power: its "
+        "own |w| is above, beside Baarda's theory for its redundancy number. false_alarms: share of right coordinates "
+        "above. mcse: Monte-Carlo standard errors. The second level is 5 % for all tests together.\n\n"
         f"{markdown(found.one, FORMATS)}\n"
         f"Largest deviation from theory, in Monte-Carlo standard errors: power {power:.1f}, false alarms without a "
         f"gross error {alarms:.1f}: {verdict} (bound {STANDARD_ERRORS:g}).\n\n"

@@ -11,6 +11,8 @@ CORRELATED = 0.99
 NOT_SIGNIFICANT = 0.05
 NAMED_MOST = 6
 FEW_POINTS = 6
+WITHOUT_ERRORS = 1e-3
+"""sigma0 below which nothing was measured"""
 SYSTEMATIC = 4.0
 """mean of the radial residuals of a ring in its standard errors from which it is called systematic"""
 
@@ -52,16 +54,21 @@ def _sigma0(found: Record) -> Iterator[str]:
     test = found["global_test"]
     if test["passed"]:
         return
-    if test["vpv"] > test["upper"]:
+    if found["sigma0"] < WITHOUT_ERRORS:
+        yield (
+            f"sigma0 = {found['sigma0']:.1g}: the observations have no errors at all, as if computed and not measured, "
+            "so they say nothing about their standard deviations"
+        )
+    elif test["vpv"] > test["upper"]:
         yield (
             f"sigma0 = {found['sigma0']:.3f} is larger than 1 (global test, p = {test['p']:.2g}): the observations are "
             "less precise than stated, or errors are left in them. Look at suspected errors and at the residuals by "
-            f"radius; if both are clean, multiply the standard deviations by {found['sigma0']:.2f}"
+            f"radius; if both are clean, multiply the standard deviations by {found['sigma0']:.3g}"
         )
     else:
         yield (
             f"sigma0 = {found['sigma0']:.3f} is smaller than 1 (global test, p = {test['p']:.2g}): the observations "
-            f"are more precise than stated. Multiply their standard deviations by {found['sigma0']:.2f}; estimates "
+            f"are more precise than stated. Multiply their standard deviations by {found['sigma0']:.3g}; estimates "
             "with control held fixed stay as they are, weighted control loses weight"
         )
 

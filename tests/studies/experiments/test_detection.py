@@ -86,7 +86,7 @@ class TestCommand:
         monkeypatch.setattr(detection_page, "SIZES", (0.0, 12.0))
         monkeypatch.setattr(detection_page, "SHARES", (0.02,))
         block = ww_world.with_noise(np.random.default_rng(1)).block
-        of = detection_page.Trials(trials=60, contests=2, blocks=2, seed=7)
+        of = detection_page.DetectionTrials(trials=60, contests=2, blocks=2, seed=7)
         files = detection_page.write(tmp_path / "out", block, lambda number: block, MODEL, of, "a block")
         assert sorted(f.name for f in files) == sorted(f.name for f in (tmp_path / "out").iterdir())
         table = pd.read_csv(tmp_path / "out" / "detection.csv")
