@@ -12,7 +12,7 @@ from adjust.ap_models.catalogue import NoModel
 from adjust.datum import ByControl, Datum
 from adjust.model import ApBy, Unknowns, ap_sets
 from adjust.normals import Arithmetic, Compiled, Plain, by_either
-from adjust.observations import ApPriors, Group, Observations, stated_groups, unknowns_of
+from adjust.observations import ApPriors, Distances, Group, Observations, stated_groups, unknowns_of
 from adjust.solution import Reached, Solution, initial, minimised, reached
 from adjust.status import Status
 from simfield.block import Block, Floats
@@ -50,10 +50,10 @@ def adjust_block(
     try:
         if not isinstance(datum, ByControl) and any(group.ties_datum for group in observations):
             raise ValueError(
-                "a free network cannot hold observed stations, distances or heights; take the datum by control, or "
+                "a free network cannot hold observed stations or height differences; take the datum by control, or "
                 "leave them out"
             )
-        block = datum.prepared(block)
+        block = datum.prepared(block, scaled=any(isinstance(group, Distances) for group in observations))
     except (initial.NoStartError, ValueError) as error:
         return _without_datum(block, model, str(error))
     sets = ap_sets(block, ap_by) if isinstance(ap_by, str) else ap_by

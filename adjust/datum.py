@@ -6,6 +6,8 @@ solutions the one nearest to given coordinates of the datum points, in the sum o
 of the smallest trace over them (Meissl 1969; Baarda, S-transformations and criterion matrices, Neth. Geod. Comm. 5/1,
 1973).
 
+Where distances give the scale, six motions are left, and six coordinates are held.
+
 A free network is solved on minimum control, moved by a similarity, and its cofactors are S-transformed:
 Q_S = S Q S^T with S = I - H (H_c^T H_c)^-1 H_c^T, where H (size, 7) are the motions of all unknowns and c the datum
 coordinates. Residuals, sigma0, additional parameters and reliability do not depend on the choice.
@@ -24,7 +26,7 @@ from adjust.adjustment import Adjustment
 from adjust.ap_models.catalogue import NoModel
 from adjust.model import Similarity, Unknowns, point_motions, station_motions
 from adjust.normals import Cofactors, Compiled, Plain
-from adjust.observations import ImagePoints, Observations
+from adjust.observations import Distances, ImagePoints, Observations
 from adjust.solution import initial
 from simfield.block import Block, Floats, Indices, Points
 
@@ -36,8 +38,8 @@ COLLINEAR = 1e-6
 class Datum(Protocol):
     """How a block is tied to its frame: what is done to it before the adjustment, and to the answer afterwards."""
 
-    def prepared(self, block: Block) -> Block:
-        """Raises initial.NoStartError or ValueError where this datum cannot be had."""
+    def prepared(self, block: Block, scaled: bool = False) -> Block:
+        """scaled: distances give the scale. Raises NoStartError or ValueError where this datum cannot be had."""
 
     def finished(self, a: Adjustment) -> Adjustment: ...
 
@@ -46,7 +48,7 @@ class Datum(Protocol):
 class ByControl:
     """The control of the block as it stands."""
 
-    def prepared(self, block: Block) -> Block:
+    def prepared(self, block: Block, scaled: bool = False) -> Block:
         """The block as it is."""
         return block
 
@@ -57,18 +59,19 @@ class ByControl:
 
 @dataclass(frozen=True)
 class MinimumControl:
-    """Seven coordinates of three points are held at their given or approximate values, all other control is released.
+    """Seven coordinates of three points are held at their given or approximate values, all other control is released;
+    six where distances give the scale.
 
     points: the ids to choose from; none: all that have given coordinates, or all if those are fewer than three.
     """
 
     points: tuple[str, ...] = ()
 
-    def prepared(self, block: Block) -> Block:
-        """The block on seven fixed coordinates. Raises ValueError where there are not three points, NoStartError."""
+    def prepared(self, block: Block, scaled: bool = False) -> Block:
+        """The block on seven or six fixed coordinates. Raises ValueError for less than three points, NoStartError."""
         known, rows = _approximate(block, self.points)
         sigma = np.full_like(block.points.sigma, np.nan)
-        sigma.ravel()[_seven(known[rows], rows)] = 0.0
+        sigma.ravel()[_least_control(known[rows], rows, scaled)] = 0.0
         role = np.where((sigma == 0.0).any(axis=1), "control", block.points.role)
         coordinates = np.where(np.isin(np.arange(len(known)), rows)[:, None], known, block.points.coordinates)
         return _with_points(block, Points(block.points.ids, role, coordinates, sigma))
@@ -87,9 +90,9 @@ class InnerConstraints:
 
     points: tuple[str, ...] = ()
 
-    def prepared(self, block: Block) -> Block:
+    def prepared(self, block: Block, scaled: bool = False) -> Block:
         """The block on minimum control, from which the free network is made. Raises as MinimumControl.prepared."""
-        return MinimumControl(self.points).prepared(block)
+        return MinimumControl(self.points).prepared(block, scaled)
 
     def finished(self, a: Adjustment) -> Adjustment:
         """The adjustment moved onto its datum points, with their covariance; as it is where it failed."""
@@ -105,12 +108,13 @@ def free_network(a: Adjustment, rows: Indices, targets: Floats) -> FreeAdjustmen
     and move nearest to the targets (k, 3), m. Raises ValueError for an adjustment on more control."""
     a = a.regular
     p = a.block.points
-    if int(p.fixed.sum()) != MOTIONS or p.weighted.any():
+    scaled = any(isinstance(group, Distances) for group in a.groups.stated)
+    if int(p.fixed.sum()) != MOTIONS - scaled or p.weighted.any():
         raise ValueError(
             "only an adjustment on minimum control can be given another datum without changing its residuals"
         )
     layout = a.layout
-    moved = Similarity.between(layout.points(a.x)[rows], targets - layout.origin)
+    moved = Similarity.between(layout.points(a.x)[rows], targets - layout.origin, rigid=scaled)
     points = moved.points(layout.points(a.x))
     x = np.concatenate(
         [
@@ -119,11 +123,12 @@ def free_network(a: Adjustment, rows: Indices, targets: Floats) -> FreeAdjustmen
             points.ravel(),
         ]
     )
+    x[layout.places] = points.ravel()
     coordinates = np.where(p.fixed, points + layout.origin, p.coordinates)
     minimum = _moved(a, x, Points(p.ids, p.role, coordinates, p.sigma))
     released = _with_points(minimum.block, Points(p.ids, p.role, p.coordinates, np.full_like(p.sigma, np.nan)))
     free = layout.free.copy()
-    free[layout.orientation :] = True
+    free[layout.places] = True
     whole = replace(layout, block=released, free=free)
     kept = {name: getattr(minimum, name) for name in ("groups", "x", "status", "message", "iterations", "arithmetic")}
     return FreeAdjustment(released, whole, **kept, minimum=minimum, datum_rows=rows, targets=targets)
@@ -143,8 +148,13 @@ class FreeAdjustment(Adjustment):
 
     @property
     def redundancy(self) -> int:
-        """Observations and the seven constraints less unknowns."""
-        return self.observations - self.unknowns + MOTIONS
+        """Observations and the constraints less unknowns."""
+        return self.observations - self.unknowns + self.rank_defect
+
+    @property
+    def rank_defect(self) -> int:
+        """How many motions are free: 7, or 6 where distances give the scale."""
+        return int(self.minimum.block.points.fixed.sum())
 
     @property
     def regular(self) -> Adjustment:
@@ -164,9 +174,10 @@ class FreeAdjustment(Adjustment):
         motions[: 6 * len(self.block.images)] = station_motions(layout.exterior(self.x), pivot, layout.renamed).reshape(
             -1, MOTIONS
         )
-        motions[layout.orientation :] = point_motions(layout.points(self.x), pivot).reshape(-1, MOTIONS)
+        motions[layout.places] = point_motions(layout.points(self.x), pivot).reshape(-1, MOTIONS)
         motions[:, 3:] /= np.ptp(layout.points(self.x)[self.datum_rows], axis=0).max()
-        places = (layout.orientation + 3 * self.datum_rows[:, None] + np.arange(3)).ravel()
+        motions = motions[:, : self.rank_defect]  # the scale stands last
+        places = layout.places[(3 * self.datum_rows[:, None] + np.arange(3)).ravel()]
         regular = self.minimum.working_cofactors
         return FreeCofactors(layout, regular.factor, regular, motions, places)
 
@@ -183,13 +194,13 @@ class FreeCofactors(Cofactors):
 
     @cached_property
     def _k(self) -> Floats:
-        """(7, size)."""
+        """(7 or 6, size)."""
         fit = np.linalg.pinv(self.motions[self.places])
         return np.asarray(fit @ self.minimum.block(self.places, np.arange(len(self.motions))))
 
     @cached_property
     def _half(self) -> Floats:
-        """(7, size): H L / 2 - K^T, transposed, so that Q_S = Q + H half + half^T H^T."""
+        """(7 or 6, size): H L / 2 - K^T, transposed, so that Q_S = Q + H half + half^T H^T."""
         fit = np.linalg.pinv(self.motions[self.places])
         inner = self._k[:, self.places] @ fit.T
         return np.asarray(0.5 * inner @ self.motions.T - self._k)
@@ -203,8 +214,8 @@ class FreeCofactors(Cofactors):
     @cached_property
     def points(self) -> Floats:
         start = self.unknowns.orientation
-        motions = self.motions[start:].reshape(-1, 3, MOTIONS)
-        across = motions @ self._half[:, start:].T.reshape(-1, 3, MOTIONS).transpose(0, 2, 1)
+        motions = self.motions[start:].reshape(-1, 3, self.motions.shape[1])
+        across = motions @ self._half[:, start:].T.reshape(motions.shape).transpose(0, 2, 1)
         return np.asarray(self.minimum.points + across + across.transpose(0, 2, 1))
 
     @cached_property
@@ -221,9 +232,7 @@ class FreeCofactors(Cofactors):
 def _moved(a: Adjustment, x: Floats, points: Points) -> Adjustment:
     block = _with_points(a.block, points)
     layout = replace(a.layout, block=block)
-    groups = replace(Observations.of(block, layout), further=a.groups.further, stated=a.groups.stated).with_weights(
-        a.groups.weights, a.groups.taken_out
-    )
+    groups = Observations.of(block, layout, a.groups.stated).with_weights(a.groups.weights, a.groups.taken_out)
     arithmetic = Compiled(groups) if isinstance(a.arithmetic, Compiled) else Plain(groups)
     return replace(a, block=block, layout=layout, groups=groups, x=x, arithmetic=arithmetic)
 
@@ -256,9 +265,10 @@ def _chosen(block: Block, ids: Sequence[str], given: np.typing.NDArray[np.bool_]
     return rows
 
 
-def _seven(points: Floats, rows: Indices) -> Indices:
+def _least_control(points: Floats, rows: Indices, scaled: bool) -> Indices:
     """The places (among all coordinates) of minimum control: two points far apart, and of a third one far from their
-    line the coordinate that a rotation about the line moves most."""
+    line the coordinate that a rotation about the line moves most. Where the scale is given, the second point stays free
+    along the axis that is nearest to their line."""
     first = int(np.argmax(np.linalg.norm(points - points.mean(axis=0), axis=1)))
     second = int(np.argmax(np.linalg.norm(points - points[first], axis=1)))
     line = points[second] - points[first]
@@ -267,5 +277,7 @@ def _seven(points: Floats, rows: Indices) -> Indices:
     if np.linalg.norm(across[third]) < COLLINEAR * (line @ line):
         raise ValueError("the points of the datum lie on a line, a rotation about it stays free")
     axis = int(np.argmax(np.abs(across[third])))
-    two = 3 * rows[[first, second]][:, None] + np.arange(3)
-    return np.append(two.ravel(), 3 * rows[third] + axis)
+    two = (3 * rows[[first, second]][:, None] + np.arange(3)).ravel()
+    if scaled:
+        two = np.delete(two, 3 + int(np.argmax(np.abs(line))))
+    return np.append(two, 3 * rows[third] + axis)

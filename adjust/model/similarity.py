@@ -19,13 +19,16 @@ class Similarity:
     scale: float
 
     @classmethod
-    def between(cls, points: Floats, targets: Floats) -> Similarity:
-        """The one that brings points (k, 3) nearest to targets (k, 3), in the sum of squares (Umeyama 1991)."""
+    def between(cls, points: Floats, targets: Floats, rigid: bool = False) -> Similarity:
+        """The one that brings points (k, 3) nearest to targets (k, 3), in the sum of squares (Umeyama 1991).
+
+        rigid: with a scale of 1.
+        """
         middle, aim = points.mean(axis=0), targets.mean(axis=0)
         left, values, right = np.linalg.svd((targets - aim).T @ (points - middle))
         sign = np.array([1.0, 1.0, np.sign(np.linalg.det(left @ right))])
         turn = (left * sign) @ right
-        scale = float(values @ sign / np.sum((points - middle) ** 2))
+        scale = 1.0 if rigid else float(values @ sign / np.sum((points - middle) ** 2))
         return cls(aim - scale * turn @ middle, turn, scale)
 
     def points(self, coordinates: Floats) -> Floats:

@@ -29,7 +29,8 @@ class _Between:
 
     @property
     def ties_datum(self) -> bool:
-        return True
+        """Distances give a scale and leave the rest of the datum free; height differences know where up is."""
+        return self.kind != "distance"
 
     @property
     def coupled(self) -> tuple[str, ...]:

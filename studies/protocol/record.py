@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from adjust import MOTIONS, Adjustment, FreeAdjustment, reweighted
+from adjust import Adjustment, FreeAdjustment, reweighted
 from adjust.model import POINT_NAMES
 from adjust.quality import (
     LEVEL,
@@ -133,7 +133,7 @@ def datum(a: Adjustment) -> Record:
             "points": ids,
             "fixed": {},
             "weighted": {},
-            "rank_defect": MOTIONS,
+            "rank_defect": a.rank_defect,
             "further": [],
         }
     return {

@@ -82,7 +82,8 @@ def _datum(found: Record) -> Iterator[str]:
     over = f" over {len(datum['points'])} points: {', '.join(datum['points'])}" if datum["points"] else ""
     yield from _wrapped(f"by {datum['by']}{over}", "", "  ")
     if datum["rank_defect"]:
-        yield f"rank defect {datum['rank_defect']}: shift, rotation and scale of the block, taken up by the constraints"
+        motions = "shift, rotation and scale" if datum["rank_defect"] == 7 else "shift and rotation"
+        yield f"rank defect {datum['rank_defect']}: {motions} of the block, taken up by the constraints"
         return
     if datum["further"]:
         yield "further observations: " + ", ".join(datum["further"])
