@@ -20,7 +20,7 @@ class ReductionPlan:
     reseau (by a polynomial of a degree, None: not), lens certificate, refraction, earth curvature.
     """
 
-    inner: Kind = "affine"
+    inner: Kind = "helmert"
     threshold_um: float = 15.0
     drift: bool = True
     comparator: bool = True

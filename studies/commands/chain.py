@@ -36,7 +36,7 @@ def inner_kinds() -> tuple[str, ...]:
 @click.option(
     "--inner",
     type=LateChoice(inner_kinds),
-    default="affine",
+    default="helmert",
     show_default=True,
     help="Transformation on the fiducial marks.",
 )
