@@ -11,6 +11,13 @@ Leave-one-image-out: how well do all other images predict an image, once it is o
 redundancy matrix that belongs to the image, e = R_ii^+ v_i are the residuals of its observations after resection in the
 points and additional parameters that the others give. Directions of the null space (its own orientation, points that
 the others do not determine) cannot be predicted and are left out, and so are those checked by less than LEAST_CHECKED.
+
+A set of additional parameters that an image has for itself is nothing that others say. Were it fitted to the image,
+sets for each image would have less to predict than one for all, and win. So it is predicted as the mean of the sets of
+the same camera, weighted by their cofactors: with p that mean, v and h of the image become those of the adjustment in
+which its set is held there,
+
+    v - A Q_p Q_pp^-1 (p_found - p),    h - A Q_p Q_pp^-1 Q_p^T A^T,    Q_p the columns of its parameters.
 """
 
 from __future__ import annotations
@@ -68,18 +75,52 @@ class Prediction:
 def leave_one_image_out(a: Adjustment) -> Prediction:
     """The prediction error of every image, in the linear model at the estimate. Raises ValueError after a failure."""
     influence = Influence.of(a)
-    image, m = a.block.observations.image, len(a.block.images)
+    image, m, own_sets = a.block.observations.image, len(a.block.images), _OwnSets(a)
     squares, count = np.zeros(m), np.zeros(m, dtype=np.intp)
     for i in range(m):
         rows = (2 * np.flatnonzero(image == i)[:, None] + np.arange(2)).ravel()
         rows = rows[influence.rows.weight[rows] > 0.0]
         if not len(rows):
             continue
-        values, vectors = np.linalg.eigh(np.eye(len(rows)) - influence.hat(rows, rows))
+        standard, hat = influence.rows.standard[rows], influence.hat(rows, rows)
+        own, mean = own_sets.of(i)
+        if len(own):
+            spread = influence.effect(rows, own)
+            gain = np.linalg.solve(own_sets.a.cofactors.block(own, own), spread.T).T
+            standard, hat = standard - gain @ (own_sets.a.x[own] - mean), hat - gain @ spread.T
+        values, vectors = np.linalg.eigh(np.eye(len(rows)) - hat)
         predicted = values > LEAST_CHECKED
-        projected = vectors[:, predicted].T @ influence.rows.standard[rows]
+        projected = vectors[:, predicted].T @ standard
         squares[i], count[i] = np.sum((projected / values[predicted]) ** 2), int(predicted.sum())
     return Prediction(squares, count, a.unit_weight_um)
+
+
+class _OwnSets:
+    """The sets that single images have for themselves, and what those of the other images say of them."""
+
+    def __init__(self, a: Adjustment) -> None:
+        self.a = a.regular
+        u = self.a.layout
+        self.single = np.bincount(u.image_set, minlength=len(u.sets)) == 1
+        self.camera = np.full(len(u.sets), -1)
+        self.camera[u.image_set] = a.block.images.camera
+        self.places = [np.arange(s.columns.start, s.columns.stop) for s in u.sets]
+        self.weights = (
+            [np.linalg.inv(self.a.cofactors.block(at, at)) for at in self.places] if self.single.any() else []
+        )
+
+    def of(self, image: int) -> tuple[Indices, Floats]:
+        """The places in x of the parameters that no other image shares, and the weighted mean of the other sets of the
+        camera; none where the camera has no other set of this model.
+        """
+        u = self.a.layout
+        mine = int(u.image_set[image])
+        model, alike = u.sets[mine].model, self.camera == self.camera[mine]
+        others = [n for n in np.flatnonzero(alike) if n != mine and u.sets[n].model.parameters == model.parameters]
+        if not self.single[mine] or not others or not model.parameters:
+            return np.empty(0, dtype=np.intp), np.empty(0)
+        right = sum(self.weights[n] @ self.a.x[self.places[n]] for n in others)
+        return self.places[mine], np.asarray(np.linalg.solve(sum(self.weights[n] for n in others), right))
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,8 @@ import scipy.stats
 
 from adjust import Adjustment, adjust_block, ap_models
 from adjust.ap_models.restricted import Restricted, without
-from adjust.quality.model_choice import aic, bic, delete_stepwise, leave_one_image_out
+from adjust.observations import ApPriors
+from adjust.quality.model_choice import _OwnSets, aic, bic, delete_stepwise, leave_one_image_out
 from adjust.quality.significance import ap_significance, f_test, global_test
 from adjust.trials.traced_terms import Trace
 from simfield.block.block import Block, Points
@@ -159,6 +160,28 @@ class TestChoice:
         if adjusted.status.ok:
             first = delete_stepwise(adjusted, correlation_most=0.99).deleted[0]
             assert first.with_exterior > 0.5
+
+    def test_one_set_for_all_predicts_best_where_it_is_true(self, ww_world: synthetic.World) -> None:
+        """Sets for each image take up more of the image that is left out, and once won for that."""
+        for seed in range(8):
+            block = ww_world.with_noise(np.random.default_rng(seed)).block
+            by = {c: leave_one_image_out(adjust_block(block, MODEL, ap_by=c)) for c in ("camera", "image")}
+            assert by["camera"].rms_um < by["image"].rms_um < 1.2 * by["camera"].rms_um
+            assert by["image"].count.sum() > 0.97 * by["camera"].count.sum()
+
+    def test_the_set_of_an_image_is_predicted_by_those_of_the_others(self, ww_world: synthetic.World) -> None:
+        """Against holding it there by prior values, by which the other sets, too, move a little."""
+        block, image = ww_world.with_noise(np.random.default_rng(2)).block, 4
+        name = block.images.ids[image]
+        a = adjust_block(block, MODEL, ap_by="image")
+        own, mean = _OwnSets(a).of(image)
+        np.testing.assert_array_equal(own, [a.layout.index(name, p) for p in MODEL.parameters])
+        std = a.ap[name].std
+        priors = {p: (float(m), 1e-3 * float(s)) for p, m, s in zip(MODEL.parameters, mean, std, strict=True)}
+        held = adjust_block(block, MODEL, ap_by="image", observations=[ApPriors(name, priors)])
+        found, expected = leave_one_image_out(a), leave_one_image_out(held)
+        assert found.count[image] == expected.count[image]
+        assert found.squares[image] == pytest.approx(expected.squares[image], rel=0.02)
 
     def test_prediction_is_what_resection_leaves(self, w: synthetic.World, a: Adjustment) -> None:
         """Against doing it: adjust without an image, then orient the image by the points and parameters found."""
