@@ -69,7 +69,9 @@ def solve(observations: Observations, start: Floats, arithmetic: Arithmetic, mos
         if not np.isfinite(length):
             return Solution(x, Status.NOT_FINITE, _not_finite(observations, iteration), iteration)
         contraction = min(max(length / before, CONTRACTION_LEAST), 0.5) if np.isfinite(before) else 0.5
-        if length <= rounding or length * contraction / (1.0 - contraction) <= ERROR_LEFT:
+        # priors as sharp as the last digit of their value round by more than others converge to
+        idle = length <= rounding and length > 0.5 * before
+        if idle or length * contraction / (1.0 - contraction) <= ERROR_LEFT:
             return Solution(x + step, Status.CONVERGED, "", iteration)
         # a factorisation on the verge of singularity must be made anew at the end, where it may be singular
         contracts = not chord or length < CONTRACTION_MOST * before
