@@ -257,6 +257,7 @@ def _significance(s: ApSignificance) -> list[Record]:
             "p_added": float(p_added),
             "with_exterior": float(exterior),
             "with_all": float(everything),
+            "left_over": math.sqrt(max(1.0 - float(everything) ** 2, 0.0)),
             "strongest": {"owner": strongest[0], "name": strongest[1], "r": strongest[2]},
         }
         for name, value, std, t, p, z, p_added, exterior, everything, strongest in columns

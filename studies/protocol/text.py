@@ -95,7 +95,7 @@ def _adjustment(found: Record) -> Iterator[str]:
     test = found["global_test"]
     yield f"{found['observations']} observations, {found['unknowns']} unknowns, redundancy {found['redundancy']}"
     yield f"sigma0 {found['sigma0']:.4f}, m0 {found['m0_um']:.2f} um"
-    yield f"{found['message']} after {found['iterations']} iterations"
+    yield from _wrapped(f"{found['message']}; {found['iterations']} iterations")
     yield (
         f"global test at {test['alpha']:.0%}: vPv = {test['vpv']:.1f} in {test['lower']:.1f} .. {test['upper']:.1f}: "
         f"{STATUS[test['passed']]} (p = {test['p']:.2g})"
@@ -127,7 +127,7 @@ def _parameters(found: Record) -> Iterator[str]:
     if not found["ap_significance"]:
         yield "none"
         return
-    header = ("name", "value", "std", "t", "p", "z", "p added", "R(EO)", "R(all)", "strongest correlation")
+    header = ("name", "value", "std", "t", "p", "z", "p added", "R(EO)", "R(all)", "left %", "strongest correlation")
     for set_id, tested in found["ap_significance"].items():
         rows = (
             (
@@ -140,6 +140,7 @@ def _parameters(found: Record) -> Iterator[str]:
                 f"{e['p_added']:.4f}",
                 f"{e['with_exterior']:.3f}",
                 f"{e['with_all']:.3f}",
+                f"{100.0 * e['left_over']:.2g}",
                 f"{e['strongest']['r']:+.3f} {e['strongest']['name']} of {e['strongest']['owner']}",
             )
             for e in tested
@@ -148,7 +149,7 @@ def _parameters(found: Record) -> Iterator[str]:
         yield from _table(header, rows)
     yield "tested with the variance components and without suspected observations"
     yield "t, p: each beside all others; z, p added: what each adds to those above it; R: multiple correlation with the"
-    yield "exterior orientation and with all other orientation unknowns"
+    yield "exterior orientation and with all other orientation unknowns, which leave over so much of its effect"
 
 
 def _reliability(found: Record) -> Iterator[str]:
