@@ -112,10 +112,12 @@ def _dry(asked: Study) -> str:
 
     plan = Plan.of(asked)
     lines = [f"{asked.name}: {asked.study.question.strip()}", ""]
-    lines += [f"{n:5} {c.id} {c}" for n, c in enumerate(plan.conditions, start=1)]
+    worlds = asked.trials.geometries
+    more = "" if worlds == 1 else f" and {worlds - 1} more"
+    lines += [f"{n:5} {c.id} {c}{more}" for n, c in enumerate(plan.conditions, start=1) if (c.geometry or 1) == 1]
     lines += ["", "methods", *(f"      {m.key}" for m in plan.methods), ""]
     sizes = []
-    for condition in plan.conditions[:20]:
+    for condition in plan.firsts[:20]:
         try:
             sizes.append(len(build_world(condition.scenario, condition.seed).image))
         except (ArithmeticError, ValueError) as error:
@@ -125,7 +127,8 @@ def _dry(asked: Study) -> str:
     seconds = SECONDS_AN_ADJUSTMENT * (sum(sizes) / max(1, len(sizes))) * cells * plan.trials
     upto = "up to " if asked.trials.target_mcse else ""
     lines += [
-        f"{conditions} conditions x {methods} methods = {cells} cells, {upto}{plan.trials} trials each",
+        f"{len(plan.firsts)} conditions{f' in {worlds} geometries' if worlds > 1 else ''} x {methods} methods = "
+        f"{cells} cells, {upto}{plan.trials} trials each",
         f"{conditions * plan.blocks} blocks of {asked.trials.block} trials",
         f"{upto}about {_duration(seconds)} on a core, compiling not counted",
     ]

@@ -1,4 +1,8 @@
-"""Conditions of a study: grid x zip - exclude + include, each with an id from its content and a seed of its own."""
+"""Conditions of a study: grid x zip - exclude + include, each with an id from its content and a seed of its own.
+
+A study of several geometries has each condition so many times, with other seeds of the world. What they share, the
+levels, is told under the id of the first.
+"""
 
 from __future__ import annotations
 
@@ -26,6 +30,8 @@ IN_A_CHAIN = ("chain.", "reductions")
 class Condition:
     """One data-generating situation: the levels of all factors, the scenario they make, the seed of its world, and how
     its images are measured (None: by the scenario's own noise alone).
+
+    geometry: the number of its world, from 1, where there are several; situation: the id of the first of them.
     """
 
     id: str
@@ -33,14 +39,21 @@ class Condition:
     scenario: Scenario
     seed: int
     measuring: Measuring | None = None
+    geometry: int | None = None
+    situation: str = ""
 
     @property
     def columns(self) -> dict[str, str | float | bool]:
         """The levels as columns of a table."""
         return {name: level_label(level) for name, level in self.levels.items()}
 
-    def __str__(self) -> str:
+    @property
+    def said(self) -> str:
+        """The levels in words."""
         return ", ".join(f"{k} {v}" for k, v in self.columns.items()) or "the scenario itself"
+
+    def __str__(self) -> str:
+        return self.said + (f", geometry {self.geometry}" if self.geometry else "")
 
 
 def factor_names(study: Study) -> list[str]:
@@ -49,10 +62,10 @@ def factor_names(study: Study) -> list[str]:
 
 
 def count(study: Study) -> int:
-    """An upper bound of the number of conditions, without building any."""
+    """An upper bound of the number of conditions, those of all geometries, without building any."""
     crossed = math.prod(len(levels) for levels in study.grid.values())
     together = math.prod(min((len(levels) for levels in rows.values()), default=1) for rows in study.zip)
-    return crossed * together + len(study.include)
+    return (crossed * together + len(study.include)) * study.trials.geometries
 
 
 def combinations(study: Study) -> Iterator[dict[str, Any]]:
@@ -83,8 +96,8 @@ def conditions_of(study: Study) -> tuple[Condition, ...]:
     base = base_table(study)
     found: dict[str, Condition] = {}
     for levels in combinations(study):
-        condition = _condition(study, base, levels)
-        found.setdefault(condition.id, condition)
+        for condition in _geometries(study, base, levels):
+            found.setdefault(condition.id, condition)
     return tuple(found.values())
 
 
@@ -118,19 +131,26 @@ def _of_a_part(changed: tuple[Factor, Any]) -> bool:
     return "chain" not in changed[0].paths
 
 
-def _condition(study: Study, base: Mapping[str, Any], levels: Mapping[str, Any]) -> Condition:
+def _geometries(study: Study, base: Mapping[str, Any], levels: Mapping[str, Any]) -> Iterator[Condition]:
+    """A condition in each of its worlds."""
     scenario, measuring = situation(study, base, levels)
-    seed = condition_seed(study.study.seed, {k: v for k, v in levels.items() if k not in study.paired.factors})
-    said: dict[str, Any] = {"scenario": scenario_as_table(scenario), "seed": str(seed)}
-    if measuring is not None:
-        said["measuring"] = asdict(measuring)
-    content = canonical_text(said)
-    return Condition(hashlib.sha256(content.encode()).hexdigest()[:16], levels, scenario, seed, measuring)
+    table, first = scenario_as_table(scenario), ""
+    for number in range(study.trials.geometries):
+        unpaired = {k: v for k, v in levels.items() if k not in study.paired.factors}
+        seed = condition_seed(study.study.seed, unpaired, number)
+        said: dict[str, Any] = {"scenario": table, "seed": str(seed)}
+        if measuring is not None:
+            said["measuring"] = asdict(measuring)
+        own = hashlib.sha256(canonical_text(said).encode()).hexdigest()[:16]
+        first = first or own
+        geometry = number + 1 if study.trials.geometries > 1 else None
+        yield Condition(own, levels, scenario, seed, measuring, geometry, first)
 
 
-def condition_seed(study_seed: int, unpaired: Mapping[str, Any]) -> int:
-    """The seed of a world, from the study's seed and the levels of the factors that are not paired."""
+def condition_seed(study_seed: int, unpaired: Mapping[str, Any], geometry: int = 0) -> int:
+    """The seed of a world, from the study's seed, the levels of the factors that are not paired, and its number."""
     digest = hashlib.sha256(canonical_text(unpaired).encode()).digest()
     key = tuple(int.from_bytes(digest[i : i + 4], "little") for i in range(0, 16, 4))
+    key += (geometry,) if geometry else ()
     word = np.random.SeedSequence(study_seed, spawn_key=key).generate_state(1, np.uint64)[0]
     return int(word) >> (64 - SEED_BITS)

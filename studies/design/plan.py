@@ -50,6 +50,19 @@ class Plan:
         return cls(study, conditions_of(study), methods_of(study), base_table(study))
 
     @property
+    def situations(self) -> tuple[tuple[Condition, ...], ...]:
+        """The conditions that share their levels, one a geometry."""
+        found: dict[str, list[Condition]] = {}
+        for condition in self.conditions:
+            found.setdefault(condition.situation, []).append(condition)
+        return tuple(tuple(of_one) for of_one in found.values())
+
+    @property
+    def firsts(self) -> tuple[Condition, ...]:
+        """The first geometry of every situation, under whose id it is told."""
+        return tuple(of_one[0] for of_one in self.situations)
+
+    @property
     def trials(self) -> int:
         """The most trials that a condition can get."""
         return self.study.trials.max

@@ -27,8 +27,13 @@ class Heading:
 
 @dataclass(frozen=True)
 class Trials:
-    """How many trials a condition gets: at most max; from min on it stops when every target_mcse is reached."""
+    """How many trials a condition gets: at most max; from min on it stops when every target_mcse is reached.
 
+    geometries: in how many worlds, with fields, flights and points of their own, each condition is tried; each of them
+    gets so many trials.
+    """
+
+    geometries: int = 1
     max: int = 1000
     min: int = LEAST_TRIALS
     block: int = 512

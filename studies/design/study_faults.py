@@ -15,6 +15,7 @@ from studies.design.methods import KEYS, method_faults
 from studies.design.study import LEAST_TRIALS, NAME, Study, StudyError
 
 MOST_TRIALS = 10_000_000
+MOST_GEOMETRIES = 1000
 MOST_TRIALS_A_BLOCK = 8192
 
 
@@ -54,6 +55,8 @@ def _heading(study: Study) -> Iterator[str]:
 
 def _trials(study: Study) -> Iterator[str]:
     trials = study.trials
+    if not 1 <= trials.geometries <= MOST_GEOMETRIES:
+        yield f"trials.geometries: found {trials.geometries}, allowed: 1 to {MOST_GEOMETRIES}"
     if not 0 <= trials.max <= MOST_TRIALS:
         yield f"trials.max: found {trials.max}, allowed: 0 to {MOST_TRIALS}"
     if trials.min < LEAST_TRIALS:

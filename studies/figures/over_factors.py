@@ -32,7 +32,9 @@ def series_of(rows: Sequence[Row], measure: str, x: str, names: Sequence[str]) -
     grouped: dict[str, list[tuple[float, float, float]]] = {}
     for row in chosen:
         label = ", ".join(_said(name, row[name]) for name in varying)
-        grouped.setdefault(label, []).append((place[row[x]], row["estimate"], row["mcse"]))
+        grouped.setdefault(label, []).append(
+            (place[row[x]], row["estimate"], row["geometry_se" if "geometry_se" in row else "mcse"])
+        )
     series = {}
     for label, points in grouped.items():
         columns = np.array(sorted(points)).T

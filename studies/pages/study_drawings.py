@@ -25,7 +25,7 @@ from studies.figures import (
     with_unit,
 )
 from studies.pages.study_report import plain
-from studies.summary import Row, Summary
+from studies.summary import Row, Summary, error_of
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -182,7 +182,8 @@ def biases(summed: Summary, plan: Plan, condition: str) -> Iterator[Drawn]:
         if not usable:
             continue
         spread = np.array([values[f"emp_se {u}"]["estimate"] for u in usable])
-        bias, mcse = (np.array([values[f"bias {u}"][key] for u in usable]) / spread for key in ("estimate", "mcse"))
+        bias = np.array([values[f"bias {u}"]["estimate"] for u in usable]) / spread
+        mcse = np.array([error_of(values[f"bias {u}"]) for u in usable]) / spread
         away = int(np.sum(np.abs(bias) > figures.INTERVAL * np.nan_to_num(mcse)))
         said = f"Bias of {len(usable)} unknowns; for {away} of them zero lies outside the 95 % Monte-Carlo interval."
 

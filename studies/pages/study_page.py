@@ -48,7 +48,7 @@ def _world(plan: Plan, add: Add) -> Iterator[str]:
     yield "## World\n"
     first = plan.conditions[0]
     if len(plan.conditions) > 1:
-        yield f"Described and drawn is the first of {len(plan.conditions)} conditions: {escaped(str(first))}.\n"
+        yield f"Described and drawn is the first of {len(plan.firsts)} conditions: {escaped(str(first))}.\n"
     yield scenario_page(first.scenario)
     if first.measuring is not None:
         yield measuring_page(first.measuring)
@@ -71,18 +71,19 @@ def _design(plan: Plan) -> Iterator[str]:
             times = " (times)" if factor_named(name, study).times else ""
             yield f"| {escaped(name)} | {escaped(paths)}{times} | {_levels(plan, name)} |"
         yield ""
-        yield f"{len(plan.conditions)} conditions: crossed factors, and rows of factors that move together.\n"
+        yield f"{len(plan.firsts)} conditions: crossed factors, and rows of factors that move together.\n"
     stop = ", ".join(f"{escaped(k)} {v:g}" for k, v in study.trials.target_mcse.items())
     targets = f"; from {study.trials.min} on a condition stops when these standard errors are reached: {stop}"
     shared = f" Share their random numbers: {', '.join(map(escaped, study.paired.factors))}."
     yield (
-        f"At most {plan.trials} trials a condition, in blocks of {study.trials.block}{targets if stop else ''}. "
+        f"At most {plan.trials} trials a {'condition' if study.trials.geometries == 1 else 'geometry'}, in blocks of "
+        f"{study.trials.block}{targets if stop else ''}. "
         f"Seed {study.study.seed}.{shared if study.paired.factors else ''}\n"
     )
 
 
 def _levels(plan: Plan, name: str) -> str:
-    labels = dict.fromkeys(str(level_label(condition.levels[name])) for condition in plan.conditions)
+    labels = dict.fromkeys(str(level_label(condition.levels[name])) for condition in plan.firsts)
     return ", ".join(escaped(label) for label in labels)
 
 

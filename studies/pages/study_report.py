@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from studies.design import Plan, factor_names
+from studies.design import Plan, Study, factor_names
 from studies.figures import MANY_LABELS, MOST_SERIES, house_style, measure_over_factor, new_figure, save, series_of
-from studies.summary import Row, Summary, ranking
+from studies.summary import Row, Summary, error_of, ranking
 from studies.texts import escaped
 
 MOST_LINES = 60
@@ -71,8 +71,8 @@ def ranked(summed: Summary, plan: Plan) -> Iterator[str]:
         return
     yield f"## Ranked by {escaped(report.rank_by)}"
     yield ""
-    for condition in plan.conditions:
-        yield f"### {escaped(str(condition))}"
+    for condition in plan.firsts:
+        yield f"### {escaped(condition.said)}"
         yield ""
         own = [row for row in summed.rows if row["condition"] == condition.id]
         yield from ranking.tables(own, summed.differences, report.measures, report.rank_by)
@@ -83,10 +83,28 @@ def what_was_run(summed: Summary, plan: Plan) -> str:
     study = plan.study
     ran = sorted({row["n"] + row["failures"] for row in summed.rows})
     trials = f"{ran[0]}" if len(ran) == 1 else f"{ran[0]} to {ran[-1]}" if ran else "0"
+    worlds = study.trials.geometries
+    each = "each" if worlds == 1 else f"of each condition in {worlds} geometries together"
+    error = (
+        "the Monte-Carlo standard error of the one geometry that each condition has: with other seeds its field, "
+        "flight and points, and with them these figures, differ by several of it"
+        if worlds == 1
+        else "the standard error over geometries and trials (geometry_se; mcse is that of the trials alone)"
+    )
     return (
-        f"{_counted(len(plan.conditions), 'condition')}, {_counted(len(plan.methods), 'method')}, {trials} trials "
-        f"each, seed {study.study.seed}. Behind ± stands the Monte-Carlo standard error. All methods of a condition "
-        "see the same trials. Every figure is in summary.csv, the study itself in study.toml."
+        f"{_counted(len(plan.firsts), 'condition')}, {_counted(len(plan.methods), 'method')}, {trials} trials "
+        f"{each}, seed {study.study.seed}. Behind ± stands {error}. All methods of a condition see the same trials. "
+        f"{_early(study)}Every figure is in summary.csv, the study itself in study.toml."
+    )
+
+
+def _early(study: Study) -> str:
+    """What an early stop does to intervals."""
+    if not study.trials.target_mcse:
+        return ""
+    return (
+        "Conditions stop when standard errors are small enough, and stop too early where they happen to be: 95 % "
+        "intervals of estimate and error hold in 92 to 94 %. "
     )
 
 
@@ -107,8 +125,10 @@ def table(rows: Sequence[Row], names: Sequence[str]) -> Iterator[str]:
 
 
 def with_error(row: Mapping[str, Any]) -> str:
-    """Estimate ± Monte-Carlo standard error, with digits that the error bears; a dash where there is nothing."""
-    estimate, mcse = row["estimate"], row["mcse"]
+    """Estimate ± standard error, over geometries where there are several, with digits that the error bears; a dash
+    where there is nothing.
+    """
+    estimate, mcse = row["estimate"], error_of(row)
     if not np.isfinite(estimate):
         return DASH
     if not np.isfinite(mcse):

@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from studies.summary.over_geometries import error_of
 from studies.texts import escaped
 
 Row = Mapping[str, Any]
@@ -40,7 +41,7 @@ def _table(rows: Sequence[Row], against: Mapping[str, Row], measures: Sequence[s
 
 
 def _difference(row: Row | None) -> str:
-    return f"{row['estimate']:+.2f} ± {row['mcse']:.2f}" if row is not None and np.isfinite(row["mcse"]) else "–"
+    return f"{row['estimate']:+.2f} ± {error_of(row):.2f}" if row is not None and np.isfinite(error_of(row)) else "–"
 
 
 def _number(value: float) -> str:

@@ -17,13 +17,14 @@ from studies.design import Condition, Plan, references
 from studies.store import SENTENCES, Store, joined
 from studies.summary import performance, stopping
 from studies.summary.cells import Cell, correlated, measured, unit
+from studies.summary.over_geometries import over_geometries, with_correlated
 from studies.summary.performance import Measured
 from studies.texts import as_text
 
 Row = dict[str, Any]
 MOST_NAMED = 6
 """columns in a line"""
-DIGITS = {"estimate": ".10g", "mcse": ".4g"}
+DIGITS = {"estimate": ".10g", "mcse": ".4g", "geometry_se": ".4g"}
 
 
 @dataclass(frozen=True)
@@ -44,19 +45,36 @@ def summarise(plan: Plan, store: Store) -> Summary:
     differences: list[Row] = []
     failures: list[str] = []
     left_out: Counter[str] = Counter()
-    for condition in plan.conditions:
-        columns, nominal = joined(store, plan, condition, stopping.trials_of(plan, store, condition))
-        cells = {m.key: Cell.of(m.key, columns, nominal) for m in plan.methods}
-        found = {key: measured(cell) for key, cell in cells.items()}
-        for method in plan.methods:
-            cell = cells[method.key]
-            head = {**_head(plan, condition), **_shown_keys(plan, method.columns), "method": method.key}
-            rows += [{**head, **row} for row in _rows(cell, found[method.key], plan.study.report.least_correlation)]
-            left_out.update(cell.left_out)
-            if cell.lost:
-                failures.append(f"{condition}, {method.key}: {_what_failed(cell)}")
-        differences += _differences(plan, condition, cells, found)
+    least = plan.study.report.least_correlation
+    for situation in plan.situations:
+        # which pairs are correlated enough is decided by all geometries together
+        each = [_of_condition(plan, store, c, least if len(situation) == 1 else 0.0, left_out) for c in situation]
+        failures += [line for found in each for line in found.failures]
+        if plan.study.trials.geometries == 1:
+            rows += each[0].rows
+            differences += each[0].differences
+            continue
+        head = _head(situation[0])
+        rows += with_correlated(over_geometries([found.rows for found in each], head), least)
+        differences += over_geometries([found.differences for found in each], head)
     return Summary(rows, differences, tuple(failures), _notes(left_out, len(plan.conditions) * len(plan.methods)))
+
+
+def _of_condition(plan: Plan, store: Store, condition: Condition, least: float, left_out: Counter[str]) -> Summary:
+    """Rows, differences and failures of one condition; counts the columns that are left out."""
+    rows: list[Row] = []
+    failures: list[str] = []
+    columns, nominal = joined(store, plan, condition, stopping.trials_of(plan, store, condition))
+    cells = {m.key: Cell.of(m.key, columns, nominal) for m in plan.methods}
+    found = {key: measured(cell) for key, cell in cells.items()}
+    for method in plan.methods:
+        cell = cells[method.key]
+        head = {**_head(condition), **_shown_keys(plan, method.columns), "method": method.key}
+        rows += [{**head, **row} for row in _rows(cell, found[method.key], least)]
+        left_out.update(cell.left_out)
+        if cell.lost:
+            failures.append(f"{condition}, {method.key}: {_what_failed(cell)}")
+    return Summary(rows, list(_differences(plan, condition, cells, found)), tuple(failures))
 
 
 def _notes(left_out: Counter[str], cells: int) -> tuple[str, ...]:
@@ -71,7 +89,7 @@ def _notes(left_out: Counter[str], cells: int) -> tuple[str, ...]:
     )
 
 
-def _head(plan: Plan, condition: Condition) -> Row:
+def _head(condition: Condition) -> Row:
     return {"condition": condition.id, **condition.columns}
 
 
@@ -112,7 +130,7 @@ def _differences(
             continue
         both = cells[key].kept & cells[reference].kept
         first, second = (_measured_on(cells[k], both, measures[k]) for k in (key, reference))
-        head = {**_head(plan, condition), **_shown_keys(plan, known[key].columns), "method": key, "against": reference}
+        head = {**_head(condition), **_shown_keys(plan, known[key].columns), "method": key, "against": reference}
         for name in first:
             if name in second:
                 found = performance.difference(first[name], second[name])

@@ -8,18 +8,19 @@ from __future__ import annotations
 import csv
 import io
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from studies.design import Method, Plan, references
 from studies.store import StoreError
 from studies.summary.cells import unit
+from studies.summary.over_geometries import LAST
 from studies.summary.summary import Row, Summary, to_csv
 
 NUMBERS = ("n", "failures", "estimate", "mcse")
-LAST = "failure_share"
-"""the measure that ends every cell"""
+OF_GEOMETRIES = ("geometries", "geometry_se")
+COUNTS, ERRORS = ("n", "failures", "geometries"), ("mcse", "geometry_se")
 MOST_BYTES = 256 << 20
 RELATIVE, MCSE_RELATIVE, ROUNDING = 1e-6, 1e-3, 1e-9
 """differences from what the trials say: ten digits are written, four of a standard error; a correlation of 0 is not"""
@@ -45,10 +46,11 @@ def read_summary(plan: Plan, folder: Path) -> Summary:
 def _rows(plan: Plan, path: Path, more: tuple[str, ...]) -> Iterator[Row]:
     lines = _lines(path)
     header = next(lines, [])
-    heads = [_head(plan, c.id, c.columns, m) for c in plan.conditions for m in plan.methods]
+    heads = [_head(plan, c.id, c.columns, m) for c in plan.firsts for m in plan.methods]
     by_text = {tuple(_texts(head)[1]): head for head in heads}
     compared = references(plan.study)
-    names = [*(heads[0] if heads else ()), *more, "measure", "unit", *NUMBERS]
+    numbers = NUMBERS + (OF_GEOMETRIES if plan.study.trials.geometries > 1 else ())
+    names = [*(heads[0] if heads else ()), *more, "measure", "unit", *numbers]
     if header and header != _texts(dict.fromkeys(names, ""))[0]:
         raise StoreError(f"{path}: damaged or of another study: its header is not {', '.join(names)}")
     place = names.index("method")
@@ -62,7 +64,7 @@ def _rows(plan: Plan, path: Path, more: tuple[str, ...]) -> Iterator[Row]:
         tail = dict(zip(names[place + 1 :], line[place + 1 :], strict=True))
         if "against" in tail and _unquoted(tail["against"]) != compared.get(head["method"]):
             raise StoreError(f"{where}: damaged or of another study: {head['method']} is not compared with that method")
-        yield {**head, **_numbers(tail, where)}
+        yield {**head, **_numbers(tail, numbers, where)}
 
 
 def _head(plan: Plan, condition: str, levels: Mapping[str, Any], method: Method) -> Row:
@@ -88,19 +90,24 @@ def _lines(path: Path) -> Iterator[list[str]]:
         raise StoreError(f"{path}: damaged: {error}") from None
 
 
-def _numbers(tail: Mapping[str, str], where: str) -> Row:
+def _numbers(tail: Mapping[str, str], names: Sequence[str], where: str) -> Row:
     measure = _unquoted(tail["measure"])
     if tail["unit"] != unit(measure):
         raise StoreError(f"{where}: damaged: {tail['unit']!r} is not the unit of {measure!r}")
     try:
-        counts = {name: int(tail[name]) for name in ("n", "failures")}
-        values = {name: float(tail[name]) if tail[name] else math.nan for name in ("estimate", "mcse")}
+        counts = {name: int(tail[name]) for name in names if name in COUNTS}
+        values = {name: float(tail[name]) if tail[name] else math.nan for name in names if name not in COUNTS}
     except ValueError as error:
         raise StoreError(f"{where}: damaged: {error}") from None
-    if min(counts.values()) < 0 or any(math.isinf(v) for v in values.values()) or values["mcse"] < 0.0:
+    if min(counts.values()) < 0 or any(math.isinf(v) for v in values.values()) or _negative(values):
         raise StoreError(f"{where}: damaged: impossible numbers")
     against = {"against": _unquoted(tail["against"])} if "against" in tail else {}
-    return {**against, "measure": measure, "unit": tail["unit"], **counts, **values}
+    found = {**counts, **values}
+    return {**against, "measure": measure, "unit": tail["unit"], **{name: found[name] for name in names}}
+
+
+def _negative(values: Mapping[str, float]) -> bool:
+    return any(values.get(name, 0.0) < 0.0 for name in ERRORS)
 
 
 def _refuse_gaps(plan: Plan, rows: list[Row], path: Path) -> None:
@@ -109,7 +116,7 @@ def _refuse_gaps(plan: Plan, rows: list[Row], path: Path) -> None:
     if len(set(seen)) < len(seen):
         raise StoreError(f"{path}: damaged: a measure stands there twice")
     whole = {(condition, method) for condition, method, measure in seen if measure == LAST}
-    missing = [(c, m) for c in plan.conditions for m in plan.methods if (c.id, m.key) not in whole]
+    missing = [(c, m) for c in plan.firsts for m in plan.methods if (c.id, m.key) not in whole]
     if missing:
         condition, method = missing[0]
         raise StoreError(f"{path}: {len(missing)} cells are missing or cut off, such as {condition}, {method.key}")
@@ -120,7 +127,7 @@ def refuse_other_numbers(written: Summary, computed: Summary, path: Path) -> Non
     fresh = {(row["condition"], row["method"], row["measure"]): row for row in computed.rows}
     for row in written.rows:
         other = fresh.get((row["condition"], row["method"], row["measure"]))
-        if other is None or not all(_close(row, other, name) for name in NUMBERS):
+        if other is None or not all(_close(row, other, name) for name in (*NUMBERS, *OF_GEOMETRIES) if name in row):
             raise StoreError(
                 f"{path}: not what the trials say: {row['measure']} of {row['method']}, condition {row['condition']}; "
                 "`simfield run` writes it anew"
@@ -130,5 +137,5 @@ def refuse_other_numbers(written: Summary, computed: Summary, path: Path) -> Non
 def _close(row: Row, other: Row, name: str) -> bool:
     a, b = float(row[name]), float(other[name])
     error = float(other["mcse"]) if math.isfinite(other["mcse"]) else 0.0
-    tolerance = MCSE_RELATIVE * abs(b) if name == "mcse" else RELATIVE * (abs(b) + error)
+    tolerance = MCSE_RELATIVE * abs(b) if name in ERRORS else RELATIVE * (abs(b) + error)
     return abs(a - b) <= tolerance + (ROUNDING if other["unit"] == "1" else 0.0) or (a != a and b != b)

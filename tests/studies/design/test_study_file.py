@@ -204,7 +204,7 @@ def test_a_dry_run_imports_no_numerics() -> None:
     code = (
         "import sys; from click.testing import CliRunner; from studies.commands.program import main\n"
         "r = CliRunner().invoke(main, ['run', 'redundancy', '--dry-run']); assert r.exit_code == 0, r.output\n"
-        "assert '27 conditions x 1 methods = 27 cells' in r.output\n"
+        "assert '27 conditions in 10 geometries x 1 methods = 270 cells' in r.output\n"
         "print([m for m in ('scipy', 'numba', 'pandas', 'pyarrow', 'matplotlib', 'joblib') if m in sys.modules])"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60, check=True)
@@ -235,7 +235,7 @@ LEVELS = {
     "chain": '["undisturbed", {preset = "psk-1969", without = ["lens"]}]',
     "chain_without": '["errors", ["lens", "settings"]]',
     "film_field_um": "[1.0, 3.0]",
-    "inner_orientation": '["helmert", "projective"]',
+    "inner_orientation": '["affine", "projective"]',
     '"chain.lenses[0].tilt_deg[0]"': "[0.0, 0.1]",
     '"reductions.lens"': "[false]",
 }
