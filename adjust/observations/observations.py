@@ -116,8 +116,11 @@ class Observations:
         return float(squares) + vpv(self.further, x)
 
     @property
-    def magnitude(self) -> float:
-        """The norm of the observations in units of their standard deviations: what rounding errors are relative to."""
+    def magnitude(self) -> tuple[float, float]:
+        """The norm of the observations in units of their standard deviations, of the image coordinates and of all: what
+        rounding errors are relative to.
+        """
         points, control = self.image_points, self.control
-        squares = np.sum(points.weight * points.xy**2) + np.sum(control.weight * control.given**2)
-        return float(np.sqrt(squares + sum(np.sum(g.weight * g.given**2) for g in self.further) + 1.0))
+        images, squares = np.sum(points.weight * points.xy**2), np.sum(control.weight * control.given**2)
+        squares = images + squares + sum(np.sum(g.weight * g.given**2) for g in self.further)
+        return float(np.sqrt(images + 1.0)), float(np.sqrt(squares + 1.0))

@@ -50,7 +50,7 @@ class Solution:
 
 def solve(observations: Observations, start: Floats, arithmetic: Arithmetic, most: int = ITERATIONS_MOST) -> Solution:
     """Minimise vPv from `start`, in `most` steps at most."""
-    rounding = ROUNDING * observations.magnitude
+    of_images, of_all = (ROUNDING * size for size in observations.magnitude)
     x, normals = start, arithmetic.at(start)
     if not normals.depth > 0.0:
         return Solution(start, Status.BEHIND_CAMERA, points_behind(observations, start), 0)
@@ -70,8 +70,8 @@ def solve(observations: Observations, start: Floats, arithmetic: Arithmetic, mos
             return Solution(x, Status.NOT_FINITE, _not_finite(observations, iteration), iteration)
         contraction = min(max(length / before, CONTRACTION_LEAST), 0.5) if np.isfinite(before) else 0.5
         # priors as sharp as the last digit of their value round by more than others converge to
-        idle = length <= rounding and length > 0.5 * before
-        if idle or length * contraction / (1.0 - contraction) <= ERROR_LEFT:
+        rounds = length <= of_images or (length <= of_all and length > 0.5 * before)
+        if rounds or length * contraction / (1.0 - contraction) <= ERROR_LEFT:
             return Solution(x + step, Status.CONVERGED, "", iteration)
         # a factorisation on the verge of singularity must be made anew at the end, where it may be singular
         contracts = not chord or length < CONTRACTION_MOST * before
