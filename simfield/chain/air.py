@@ -16,7 +16,7 @@ from simfield.disturbances import EarthCurvature, Refraction, measured_from_idea
 class Air:
     """Which of the two the field has; altimeter_sigma_m is the error of the flying height that the surveyor is told.
 
-    Source: Bertram's form of the ARDC atmosphere, and the sphere of 6371 km.
+    Rays are traced through the standard atmosphere; the reductions take out a formula, so that something is left.
     """
 
     refraction: bool = False

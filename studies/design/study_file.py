@@ -1,8 +1,7 @@
 """The study file: a question, its factors, methods and trials, read from TOML with every fault named at once.
 
 [study]      name, question, seed
-[trials]     geometries (worlds a condition), max, min, block (trials a shard, a multiple of 32),
-             target_mcse = {measure = standard error}
+[trials]     geometries, max, min, block (trials a shard, a multiple of 32), target_mcse = {measure = standard error}
 [scenario]   preset and changes to it, as in a scenario file
 [factors]    own names for dotted paths of the scenario: lens = {paths = ["effects[0].effect.k1"], times = true}
 [grid]       crossed factors with their levels        [[zip]]      factors that move together

@@ -21,6 +21,8 @@ from simfield.disturbances.film import FilmVariation
 from simfield.disturbances.noise import Noise
 
 EXACT_MM = 1e-9
+FORMULA_MM = 1.1e-3
+"""what Bertram's formula leaves of traced refraction in the corners of the images of 1980; 0.5 um on their sides"""
 RADII = (0.0, 30.0, 60.0, 90.0, 120.0, 165.0)
 QUIET = replace(presets["rheidt-1980"], effects=(), noise=Noise(image_um=0.0, assumed_um=5.0))
 NOTHING = ReductionPlan("helmert", drift=False, comparator=False, lens=False, refraction=False, curvature=False)
@@ -51,7 +53,8 @@ def test_an_undisturbed_chain_is_nothing_but_a_change_of_frame(world):
 @given(refraction=st.booleans(), curvature=st.booleans())
 def test_air(world, refraction, curvature):
     plan = replace(NOTHING, refraction=refraction, curvature=curvature)
-    assert largest_difference(world, Chain(air=Air(refraction, curvature)), plan) < EXACT_MM
+    found = largest_difference(world, Chain(air=Air(refraction, curvature)), plan)
+    assert 0.5 * FORMULA_MM < found < FORMULA_MM if refraction else found < EXACT_MM
 
 
 @FEW
@@ -105,13 +108,13 @@ def test_film_of_third_degree_by_the_reseau(fiducials):
 def test_all_stages_together(v):
     curves = tuple((0.0, *(5.0 * x for x in v[i : i + 5])) for i in range(4))
     chain = Chain(
-        air=Air(True, True),
+        air=Air(curvature=True),
         lenses=(Lens("ww", RadialCertificate(RADII, curves)),),
         marks=Marks("both", reseau_spacing_mm=25.0),
         comparator=Comparator((100 * v[0], 100 * v[1]), 50 * v[2], (3 * v[3], 3 * v[4]), 2.0, 20.0),
     )
     world = film_world("affine", "quadratic", "cubic", um=10.0 * abs(v[5]))
-    assert largest_difference(world, chain, ReductionPlan("helmert", reseau_degree=3)) < EXACT_MM
+    assert largest_difference(world, chain, ReductionPlan("helmert", reseau_degree=3, refraction=False)) < EXACT_MM
 
 
 def test_a_smooth_random_field_is_taken_out_by_the_reseau_but_for_a_rest(world):
@@ -125,9 +128,10 @@ def test_a_smooth_random_field_is_taken_out_by_the_reseau_but_for_a_rest(world):
     assert rms[1] < 0.3 * rms[0]
 
 
-def test_what_reductions_remove_is_what_the_stage_put_in(world):
-    raw = prepare(world, Chain(air=Air(True, True))).measure(0)
-    reduced = reduce(raw, replace(NOTHING, refraction=True, curvature=True))
-    total = reduced.removed["refraction"] + reduced.removed["earth curvature"]
-    measured = prepare(world, Chain(air=Air(True, True))).exposed[: len(world.ideal)]
-    np.testing.assert_allclose(total, measured - world.ideal, rtol=0, atol=EXACT_MM)
+@pytest.mark.parametrize(("refraction", "left_mm"), [(False, EXACT_MM), (True, FORMULA_MM)])
+def test_what_reductions_remove_is_what_the_stage_put_in(world, refraction, left_mm):
+    chain = Chain(air=Air(refraction, True))
+    reduced = reduce(prepare(world, chain).measure(0), replace(NOTHING, refraction=refraction, curvature=True))
+    total = sum(reduced.removed[name] for name in ("refraction", "earth curvature") if name in reduced.removed)
+    measured = prepare(world, chain).exposed[: len(world.ideal)]
+    np.testing.assert_allclose(total, measured - world.ideal, rtol=0, atol=left_mm)
