@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
+from statistics import NormalDist
 from typing import Any
 
 import numpy as np
@@ -58,10 +60,27 @@ def differences(summed: Summary, plan: Plan) -> Iterator[str]:
     """The differences between methods in the measures of the report, with a heading; nothing if there are none."""
     compared = [row for row in summed.differences if row["measure"] in plan.study.report.measures]
     if compared:
+        together = max(Counter((row["condition"], row["measure"]) for row in compared).values())
+        bound = largest_by_chance(together)
         yield "## Differences between methods, in pairs on the same trials"
         yield ""
-        yield from table(compared, [*factor_names(plan.study), "method", "against", "measure", "unit"])
+        if together > 1:
+            yield (
+                f"Of a measure {together} differences stand beside each other in a condition. Where there are none, "
+                f"one of them is beyond {bound:.2f} standard errors in one study of twenty (Sidak); those beyond have "
+                "a star."
+            )
+            yield ""
+        yield from table(compared, [*factor_names(plan.study), "method", "against", "measure", "unit"], bound)
         yield ""
+
+
+def largest_by_chance(differences: int, level: float = 0.05) -> float:
+    """How many standard errors the largest of so many differences that are none exceeds with the probability `level`.
+
+    Sidak 1967: for independent ones exactly, for others less often.
+    """
+    return NormalDist().inv_cdf(0.5 + 0.5 * (1.0 - level) ** (1.0 / differences))
 
 
 def ranked(summed: Summary, plan: Plan) -> Iterator[str]:
@@ -112,13 +131,14 @@ def _counted(number: int, thing: str) -> str:
     return f"{number} {thing}" + ("" if number == 1 else "s")
 
 
-def table(rows: Sequence[Row], names: Sequence[str]) -> Iterator[str]:
-    """Rows in Markdown: the named columns, estimate ± standard error, n, failures."""
+def table(rows: Sequence[Row], names: Sequence[str], bound: float = np.inf) -> Iterator[str]:
+    """Rows in Markdown: the named columns, estimate ± standard error, n, failures; a star beyond `bound` errors."""
     yield "| " + " | ".join([*map(escaped, names), "estimate", "n", "failures"]) + " |"
     yield "| " + " | ".join(["---"] * len(names) + ["---:"] * 3) + " |"
     for row in rows[:MOST_LINES]:
         cells = [escaped(plain(row.get(name, ""))) for name in names]
-        yield "| " + " | ".join([*cells, with_error(row), str(row["n"]), str(row["failures"])]) + " |"
+        star = " \\*" if abs(row["estimate"]) > bound * error_of(row) else ""
+        yield "| " + " | ".join([*cells, with_error(row) + star, str(row["n"]), str(row["failures"])]) + " |"
     if len(rows) > MOST_LINES:
         yield ""
         yield f"The first {MOST_LINES} of {len(rows)} lines; all are in summary.csv and differences.csv."
