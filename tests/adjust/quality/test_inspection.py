@@ -18,7 +18,7 @@ from tests.adjust.quality.test_reliability import Textbook
 FACTORS = {"ww": 0.6, "sww": 1.6}
 ERRORS_MOST = 3.0
 """in binomial standard errors"""
-BLOCKS = 150
+BLOCKS = 100
 
 
 def unequal(w: synthetic.World, random: np.random.Generator) -> np.ndarray:
