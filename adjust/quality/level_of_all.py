@@ -1,9 +1,10 @@
 """The level of one test by which all tests of a search together reject a clean block in the stated share of cases.
 
 The residuals of one block hang together, so that Sidak's level for independent tests is too low where points have few
-rays: by a third in the preset grid-small, by nothing to speak of in rheidt-1980. The distribution of the least level of
-all tests depends on the geometry alone. It is that of n_e independent tests, nearly, and n_e is estimated from simulated errors:
-with p the least level of each of N error vectors, n_e = -N / sum log(1 - p), to a share of 1 / sqrt(N).
+rays: by a quarter in the preset grid-small, by nothing to speak of in rheidt-1980. The distribution of the least level
+of all tests depends on the geometry alone. It is that of n_e independent tests, nearly, and n_e is estimated from
+simulated errors: with p the least level of each of N error vectors, n_e = -N / sum log(1 - p), to a share of
+1 / sqrt(N).
 """
 
 from __future__ import annotations
