@@ -24,6 +24,7 @@ from simfield.disturbances import (
     geodetic_noise,
     image_noise,
     measured_from_ideal,
+    shown,
     systematic,
 )
 from simfield.random import stream
@@ -36,8 +37,8 @@ from simfield.world import (
     Rays,
     deviation,
     fly,
+    half_format,
     ideal_image,
-    inside_format,
     measured_rays,
     plan_flights,
 )
@@ -172,13 +173,10 @@ def _seen(
 ) -> tuple[Indices, Indices, Floats, Floats]:
     """Image (k), place in the field (k), ideal and distorted coordinates (k, 2) of all points that the images show."""
     cameras = [scenario.camera(c) for c in plan.camera_ids]
-    everything = ideal_image(exterior, cameras, field.coordinates)
-    # Polynomials run wild far outside the format, so only what the ideal camera shows is distorted at all.
-    image, place = np.nonzero(inside_format(everything, cameras, scenario.measurement.margin_mm))
-    ideal = everything[image, place]
-    distorted = measured_from_ideal(ideal, systematic(scenario.effects, plan, image))
-    on_film = inside_format(distorted, [cameras[i] for i in image], scenario.measurement.margin_mm)
-    return image[on_film], place[on_film], ideal[on_film], distorted[on_film]
+    ideal = ideal_image(exterior, cameras, field.coordinates)
+    half = half_format(cameras, scenario.measurement.margin_mm)
+    image, place, distorted = shown(ideal, scenario.effects, plan, half)
+    return image, place, ideal[image, place], distorted
 
 
 def _measured(

@@ -8,7 +8,6 @@ belong: deformations of the film act on the marks, too, everything else only on 
 
 from __future__ import annotations
 
-import zlib
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -22,7 +21,7 @@ from simfield.chain.comparator import Comparator, Errors, Marks
 from simfield.chain.lens import Lens
 from simfield.chain.random_field import FieldAt, RandomField, field_at
 from simfield.disturbances import FilmAffine, FilmPolynomial, UnflatFilm, measured_from_ideal, systematic
-from simfield.random import Words, counter_key, normal_pairs, stream, words
+from simfield.random import Words, counter_key, name_words, normal_pairs, stream, words
 from simfield.simulate import World
 
 FILM = (FilmAffine, FilmPolynomial, UnflatFilm)
@@ -121,7 +120,7 @@ class PreparedChain:
     @property
     def image_words(self) -> Words:
         """(m) what the numbers of an image hang on."""
-        return np.array([zlib.crc32(name.encode()) for name in self.world.plan.image_ids], dtype=np.uint64)
+        return name_words(self.world.plan.image_ids)
 
     @property
     def place_words(self) -> Words:

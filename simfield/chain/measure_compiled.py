@@ -15,7 +15,7 @@ import numpy as np
 from simfield.block import Floats
 from simfield.disturbances import COLUMNS, film_coefficients, solve_film
 from simfield.numerics import WIDTH, Arena, align_stack, inlined, kernel, load, same, store
-from simfield.random import ZERO, draw, drawn_of, philox
+from simfield.random import HALF, WORD, ZERO, draw, drawn_of, philox
 
 
 class Room(NamedTuple):
@@ -155,7 +155,7 @@ def below_share(first, second, start, k0, k1, share, word, hit):  # type: ignore
     """
     low, least = np.uint64(start) >> np.uint64(2), share
     for c in range(word.shape[1]):
-        w0, w1, w2, w3 = philox(first, second, low + np.uint64(c), ZERO, k0, k1)
+        w0, w1, w2, w3 = philox(first, second & WORD, low + np.uint64(c), second >> HALF, k0, k1)
         word[0, c], word[1, c], word[2, c], word[3, c] = w0, w1, w2, w3
         least = min(least, min(min(w0, w1), min(w2, w3)))
     if least >= share:

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import zlib
 from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
 
 from simfield.block import Floats
-from simfield.random import Words, counter_key, normal_pairs
+from simfield.random import Words, counter_key, name_words, normal_pairs
 
 NODES_PER_LENGTH = 12
 SHORT_OF_VARIANCE = 1e-2
@@ -74,7 +73,7 @@ def field_at(field: RandomField, xy_mm: Floats, owner: tuple[str, ...], half_mm:
     kept = order[: -(-needed // MODES_TOGETHER) * MODES_TOGETHER]
     in_x, in_y = np.unravel_index(kept, (count, count))
     along_x, along_y = (_modes(xy_mm[:, axis], nodes, field.length_mm, root, values, vectors) for axis in (0, 1))
-    owners = np.array([zlib.crc32(name.encode()) for name in owner], dtype=np.uint64)
+    owners = name_words(owner)
     modes = 1e-3 * field.sigma_um * along_x[:, in_x] * along_y[:, in_y]
     return FieldAt(np.ascontiguousarray(modes), counter_key(seed, "film field", field.per), owners)
 

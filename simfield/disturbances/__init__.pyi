@@ -38,3 +38,4 @@ from .film_compiled import (
 from .kinds import OneOf as OneOf, by_kind as by_kind
 from .moving_film import MovingFilm as MovingFilm, refuse_steep as refuse_steep
 from .noise import Noise as Noise, geodetic_noise as geodetic_noise, image_noise as image_noise
+from .visibility import shown as shown

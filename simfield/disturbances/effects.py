@@ -74,6 +74,11 @@ class RadialTable:
         if self.radius_mm[0] == 0.0 and (self.distortion_um[0] != 0.0 or len(self.radius_mm) == 1):
             raise ValueError("the distortion at radius 0 is 0, and the table needs a radius beyond it")
 
+    @property
+    def reach_mm(self) -> float:
+        """The largest radius, beyond which nobody has measured."""
+        return self.radius_mm[-1]
+
     @cached_property
     def _nodes(self) -> tuple[Floats, Floats]:
         skip = 1 if self.radius_mm[0] == 0.0 else 0

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import zlib
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
@@ -11,7 +10,7 @@ import numpy as np
 
 from simfield.block import Floats, Indices
 from simfield.disturbances.effects import EffectOn, FilmAffine, FilmPolynomial
-from simfield.random import Words, counter_key, normal_pairs
+from simfield.random import Words, counter_key, name_words, normal_pairs
 from simfield.world import FlightPlan
 
 REFERENCE_MM = 100.0
@@ -97,7 +96,7 @@ class FilmTable:
             key = counter_key(seed, "film", variation.terms, variation.per)
             for image, owner in enumerate(_owners(variation, plan)):
                 if plan.camera_ids[image] == variation.camera:
-                    word = zlib.crc32(owner.encode())
+                    word = int(name_words([owner])[0])
                     parts += [(image, column, in_x, sigma, key, word) for column in columns]
         parts.sort(key=lambda part: part[0])
         return cls(

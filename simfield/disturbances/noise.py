@@ -6,7 +6,6 @@ stays what it was when other images, other points or another camera's noise chan
 
 from __future__ import annotations
 
-import zlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
@@ -14,7 +13,7 @@ import numpy as np
 
 from simfield.block import Floats, Indices
 from simfield.disturbances.draws import ImageNoise
-from simfield.random import counter_key, stream
+from simfield.random import counter_key, name_words, stream
 
 PerCamera = float | Mapping[str, float]
 """One number for all cameras, or one for each camera id."""
@@ -52,7 +51,7 @@ class Noise:
 
 def image_noise(sigma_mm: Floats, image_ids: Sequence[str], image: Indices, place: Indices, seed: int) -> ImageNoise:
     """The errors of observations in the images (k) of the field's points number `place` (k); sigma_mm (m)."""
-    names = np.array([zlib.crc32(i.encode()) for i in image_ids], dtype=np.uint64)
+    names = name_words(image_ids)
     return ImageNoise(sigma_mm[image], counter_key(seed, "image-noise"), place.astype(np.uint64), names[image])
 
 

@@ -83,15 +83,21 @@ def _box_muller(w0: Words, w1: Words) -> Floats:
     return np.stack([radius * cosine, radius * sine], axis=-1)
 
 
+def _counter(first: Any, second: Any, low: Words) -> tuple[Any, Any, Any, Any]:
+    """The four words: `second` of 64 bits fills two of them."""
+    second = np.asarray(second, dtype=np.uint64)
+    return first, second & np.uint64(WORD), low, second >> np.uint64(32)
+
+
 def normal_pairs(key: tuple[int, int], first: Any, second: Any, trial: Any) -> Floats:
     """(..., 2) standard normal numbers: a pair for the counter words first and second and the number of the trial.
 
-    All are arrays of one shape or numbers. A counter has two pairs; they go to two trials that are eight apart, so that
-    eight neighbouring trials are computed together.
+    All are arrays of one shape or numbers; `second` may have 64 bits (simfield.random.name_words). A counter has two
+    pairs; they go to two trials that are eight apart, so that eight neighbouring trials are computed together.
     """
     trial = np.asarray(trial, dtype=np.uint64)
     low = (trial >> np.uint64(4) << np.uint64(3)) | (trial & np.uint64(7))
-    w0, w1, w2, w3 = philox((first, second, low, 0), key)
+    w0, w1, w2, w3 = philox(_counter(first, second, low), key)
     later = (trial & np.uint64(8)) > 0
     return _box_muller(np.where(later, w2, w0), np.where(later, w3, w1))
 
@@ -99,7 +105,7 @@ def normal_pairs(key: tuple[int, int], first: Any, second: Any, trial: Any) -> F
 def words(key: tuple[int, int], first: Any, second: Any, trial: Any) -> Words:
     """(...) evenly distributed 32-bit words for the same counters: four neighbouring trials share one."""
     trial = np.asarray(trial, dtype=np.uint64)
-    four = np.stack(philox((first, second, trial >> np.uint64(2), 0), key))
+    four = np.stack(philox(_counter(first, second, trial >> np.uint64(2)), key))
     return np.asarray(
         np.take_along_axis(four, np.broadcast_to(trial & np.uint64(3), four.shape[1:])[None].astype(np.intp), 0)[0]
     )

@@ -71,7 +71,7 @@ def draw(first, second, start, k0, k1, drawn):  # type: ignore[no-untyped-def]
     """
     n, low = drawn.size // 4, np.uint64(start) >> np.uint64(1)
     for c in range(n):
-        w0, w1, w2, w3 = philox(first, second, low + np.uint64(c), ZERO, k0, k1)
+        w0, w1, w2, w3 = philox(first, second & WORD, low + np.uint64(c), second >> HALF, k0, k1)
         drawn[c], drawn[n + c] = _box_muller(w0, w1)
         drawn[2 * n + c], drawn[3 * n + c] = _box_muller(w2, w3)
 
@@ -95,9 +95,9 @@ def fill(out, base, sigma, first, second, start, k0, k1):  # type: ignore[no-unt
     for row in range(out.shape[1]):
         r = np.uint64(row)
         bx, by, sx, sy = base[r, 0], base[r, 1], sigma[r, 0], sigma[r, 1]
-        c0, c1 = first[r], second[r]
+        c0, c1, c3 = first[r], second[r] & WORD, second[r] >> HALF
         for t in range(counters):
-            w0, w1, w2, w3 = philox(c0, c1, low + np.uint64(t), np.uint64(0), k0, k1)
+            w0, w1, w2, w3 = philox(c0, c1, low + np.uint64(t), c3, k0, k1)
             nx, ny = _box_muller(w0, w1)
             drawn[0, t] = bx + sx * nx
             drawn[1, t] = by + sy * ny

@@ -17,7 +17,7 @@ from .flights import (
     fly as fly,
     plan_flights as plan_flights,
 )
-from .imaging import ideal_image as ideal_image, inside_format as inside_format
+from .imaging import half_format as half_format, ideal_image as ideal_image
 from .measurement import (
     CountError as CountError,
     Measurement as Measurement,

@@ -12,7 +12,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-import numpy.typing as npt
 
 from simfield.block import Floats
 from simfield.world.cameras import CameraModel
@@ -55,11 +54,6 @@ def ideal_image(exterior: Floats, cameras: Sequence[CameraModel], points: Floats
     return np.asarray(principal - c * p[..., :2] / depth[..., None])
 
 
-def inside_format(xy: Floats, cameras: Sequence[CameraModel], margin_mm: float = 0.0) -> npt.NDArray[np.bool_]:
-    """Whether image coordinates xy (m, ..., 2) in mm lie on the film, at least margin_mm inside its edge.
-
-    cameras has one entry for each of the m rows. NaN is not on the film.
-    """
-    half = np.array([(camera.width_mm / 2.0, camera.height_mm / 2.0) for camera in cameras]) - margin_mm
-    half = half.reshape(len(cameras), *(1,) * (xy.ndim - 2), 2)
-    return np.asarray((np.abs(xy) <= half).all(axis=-1))
+def half_format(cameras: Sequence[CameraModel], margin_mm: float = 0.0) -> Floats:
+    """(m, 2) mm: half of the film of m images with these cameras, less the margin."""
+    return np.array([(camera.width_mm / 2.0, camera.height_mm / 2.0) for camera in cameras]) - margin_mm

@@ -3,7 +3,7 @@
 import numpy as np
 
 from simfield.world.cameras import SWW, WW, CameraModel
-from simfield.world.imaging import attitude_quaternion, ideal_image, inside_format, into_camera_frame
+from simfield.world.imaging import attitude_quaternion, half_format, ideal_image, into_camera_frame
 
 ROUNDING_MM = 1e-9
 """Two formulas in double precision, with 1e3 m in the numbers and image coordinates up to metres."""
@@ -48,7 +48,6 @@ def test_quaternions_keep_lengths():
     np.testing.assert_allclose(np.linalg.norm(rays), 13.0, rtol=1e-15)
 
 
-def test_the_format_decides_what_is_visible():
-    xy = np.array([[[115.0, -115.0], [115.001, 0.0], [0.0, -115.001], [np.nan, 0.0], [110.0, 0.0]]])
-    assert inside_format(xy, [SWW]).tolist() == [[True, False, False, False, True]]
-    assert inside_format(xy, [SWW], margin_mm=5.0).tolist() == [[False, False, False, False, True]]
+def test_half_of_the_film_less_the_margin():
+    slr = CameraModel("slr", c_mm=20.0, width_mm=36.0, height_mm=24.0)
+    assert half_format([SWW, slr], margin_mm=5.0).tolist() == [[110.0, 110.0], [13.0, 7.0]]
