@@ -1,4 +1,9 @@
-from .gross_errors import Accused as Accused, Snooping as Snooping, snoop as snoop
+from .gross_errors import (
+    LEAST_CHECKED as LEAST_CHECKED,
+    Accused as Accused,
+    Snooping as Snooping,
+    snoop as snoop,
+)
 from .inspection import LEVEL as LEVEL, Inspection as Inspection, inspected as inspected
 from .model_choice import (
     aic as aic,

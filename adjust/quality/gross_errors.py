@@ -151,6 +151,12 @@ class _Search:
         return again
 
 
+def first_tests(a: Adjustment, alpha: float, own: Indices) -> Floats:
+    """(rows) every statistic over its critical value while nobody is accused; 0 for what cannot be. As `snoop`."""
+    statistics, critical = _Search(Reliability.of(a, alpha), own, alpha).statistics()
+    return statistics / critical
+
+
 def snoop(
     a: Adjustment, alpha: float = ALPHA, test: Test = "w", most: int | None = None, own: Indices | None = None
 ) -> Snooping:

@@ -15,7 +15,7 @@ import numpy as np
 
 from adjust.adjustment import Adjustment
 from adjust.bundle import reweighted
-from adjust.quality.gross_errors import LEAST_CHECKED, Snooping, snoop
+from adjust.quality.gross_errors import LEAST_CHECKED, Snooping, first_tests, snoop
 from adjust.quality.influence import Influence
 from adjust.quality.level_of_all import level_of_one
 from adjust.quality.reliability import POWER, Reliability, noncentrality, tau_noncentrality
@@ -33,12 +33,14 @@ class Inspection:
     """The components (None where no group has the redundancy for one, or where they cannot be told apart), the level of
     the search and of one test, the search, and the reliability of all observations under this test.
 
-    own (n): the number of the group whose sigma0 an observation is tested with, -1 for the stated one. adjustment: with
-    the components and without the accused.
+    own (n): the number of the group whose sigma0 an observation is tested with, -1 for the stated one. tests (n): its
+    statistic over its critical value before anybody is accused; 0 where nothing checks it. adjustment: with the
+    components and without the accused.
     """
 
     components: VarianceComponents | None
     own: Indices
+    tests: Floats
     level: float
     alpha: float
     snooping: Snooping
@@ -71,7 +73,7 @@ def inspected(
     for number, rows in enumerate(groups.values()):
         own[rows] = number
     stated, out = a.groups.weights, np.empty(0, dtype=np.intp)
-    of_one = alpha
+    of_one, tests = alpha, np.empty(0)
     for _ in range(ROUNDS_MOST):
         components, weights = _components(a, stated, out, groups)
         scaled = reweighted(a, weights)
@@ -81,12 +83,14 @@ def inspected(
         if of_one is None:
             testable = (influence.redundancy > LEAST_CHECKED) & (influence.rows.weight > 0.0)
             of_one = level_of_one(influence, own, level, testable)
+        if not len(tests):
+            tests = first_tests(scaled, of_one, own)
         search = snoop(scaled, of_one, most=most, own=own)
         before, out = out, np.array([each.row for each in search.accused], dtype=np.intp)
         if search.stopped or set(before.tolist()) == set(out.tolist()):
             break
     reliability = Reliability(influence, search.alpha, power, _shifts(influence, own, search.alpha, power))
-    return Inspection(components, own, level, search.alpha, search, reliability)
+    return Inspection(components, own, tests, level, search.alpha, search, reliability)
 
 
 def _groups(a: Adjustment) -> dict[str, Indices]:

@@ -19,6 +19,7 @@ from adjust import ApModel, adjust_block
 from adjust.observations import Observations
 from adjust.quality import (
     ALPHA,
+    LEAST_CHECKED,
     LEVEL,
     POWER,
     Cauchy,
@@ -36,8 +37,10 @@ from adjust.trials import adjust_replicates
 from simfield.block import Block, Floats
 
 SIZES = (0.0, 4.0, 6.0, 8.0, 12.0, 16.0, 20.0)
-CHECKED = 0.02
-"""least redundancy number of a coordinate that is made wrong: the search accuses no other"""
+
+
+SEARCHED = {"clean block, anybody accused": LEVEL, "wrong, its test above": POWER, "wrong, accused": np.nan}
+"""what the search of a block is asked, and the share that the protocol promises"""
 
 
 @dataclass(frozen=True)
@@ -126,25 +129,30 @@ def search_of_blocks(blocks: Iterable[Block], model: ApModel, seed: int) -> pd.D
     """The search of the protocol in blocks with the errors that they have, which need not be those that are stated.
 
     In each block as it is, and once more with one image coordinate, chosen at random, wrong by the minimal detectable
-    bias that the protocol prints for it. One row each: how many blocks, the share in which anybody (clean) or this
-    coordinate (wrong) is accused with its Monte-Carlo standard error, and the share that is promised. Raises ValueError
-    for a block that cannot be adjusted.
+    bias that the protocol prints for it. A row each for anybody accused in a clean block, for the test of the wrong
+    coordinate above its critical value, and for this coordinate accused: how many blocks, the share with its
+    Monte-Carlo standard error, and the share that is promised, NaN where none is. Raises ValueError for a block that
+    cannot be adjusted.
     """
     alpha: float | None = None
-    counts = {"clean": 0, "wrong": 0}
+    counts = dict.fromkeys(SEARCHED, 0)
     n = 0
     for n, block in enumerate(blocks, start=1):
         random = np.random.default_rng([seed, n])
         clean = _inspected(block, model, alpha)
         alpha, mdb = clean.alpha, clean.reliability.mdb[clean.reliability.image_points]
-        row = int(random.choice(np.flatnonzero(clean.reliability.redundancy[clean.reliability.image_points] > CHECKED)))
+        row = int(
+            random.choice(np.flatnonzero(clean.reliability.redundancy[clean.reliability.image_points] > LEAST_CHECKED))
+        )
         xy = block.observations.xy.copy()
         xy.ravel()[row] += random.choice([-1.0, 1.0]) * mdb[row]
-        counts["clean"] += bool(len(clean.suspected))
-        counts["wrong"] += row in _inspected(block.replace_image_points(xy), model, alpha).suspected
-    rows = [(name, Share(hits, n), stated) for (name, hits), stated in zip(counts.items(), (LEVEL, POWER), strict=True)]
+        wrong = _inspected(block.replace_image_points(xy), model, alpha)
+        own_test = wrong.tests[wrong.reliability.image_points][row]
+        hits = (len(clean.suspected) > 0, own_test > 1.0, row in wrong.suspected)
+        counts = {name: count + bool(hit) for (name, count), hit in zip(counts.items(), hits, strict=True)}
+    rows = [(name, Share(counts[name], n), stated) for name, stated in SEARCHED.items()]
     return pd.DataFrame(
-        [{"blocks": name, "n": s.n, "accused": s.value, "accused_mcse": s.mcse, "stated": p} for name, s, p in rows]
+        [{"outcome": name, "n": s.n, "share": s.value, "share_mcse": s.mcse, "stated": p} for name, s, p in rows]
     )
 
 

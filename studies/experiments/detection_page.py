@@ -47,7 +47,7 @@ FORMATS = {
     "false_alarms": ".3e",
     "false_alarms_mcse": ".1e",
 }
-SEARCH_FORMATS = {"n": ".0f", "accused": ".4f", "accused_mcse": ".4f", "stated": ".2f"}
+SEARCH_FORMATS = {"n": ".0f", "share": ".4f", "share_mcse": ".4f", "stated": ".2f"}
 MANY_FORMATS = {
     "share": ".3f",
     "found": ".4f",
@@ -61,7 +61,7 @@ MANY_FORMATS = {
 
 @dataclass(frozen=True, eq=False)
 class DetectionFindings:
-    """one: a row a level and size; many: a row a share and method; search: two rows, the search of the protocol in
+    """one: a row a level and size; many: a row a share and method; search: three rows, the search of the protocol in
     blocks with their own errors; and what was adjusted.
     """
 
@@ -205,9 +205,10 @@ def page(found: DetectionFindings, command: str, of: DetectionTrials) -> str:
         "## The search of the protocol\n\n"
         f"{of.blocks} blocks drawn anew from the scenario, with the noise that it has and not that which is stated; "
         "first as they are, then with one coordinate wrong by the minimal detectable bias that the protocol prints for "
-        "it. accused: share of blocks in which anybody, then in which this coordinate is accused; stated: what the "
-        "protocol promises. Scenarios with systematic errors that the set of additional parameters cannot follow "
-        "accuse more.\n\n"
+        "it. Shares of the blocks: anybody is accused; the test of the wrong coordinate exceeds its critical value; "
+        "this coordinate is accused, and not another one with nearly the same test. stated: what the protocol "
+        "promises, which does not say which of two such coordinates it names. Scenarios with systematic errors that "
+        "the set of additional parameters cannot follow accuse more.\n\n"
         f"{markdown(found.search, SEARCH_FORMATS)}\n"
         "## Many at once\n\n"
         f"{of.contests} trials a row; a share of all coordinates is wrong by 6 to 20 standard deviations; "

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
-from statistics import NormalDist
 from typing import Any
 
 import numpy as np
@@ -61,7 +60,7 @@ def differences(summed: Summary, plan: Plan) -> Iterator[str]:
     compared = [row for row in summed.differences if row["measure"] in plan.study.report.measures]
     if compared:
         together = max(Counter((row["condition"], row["measure"]) for row in compared).values())
-        bound = largest_by_chance(together)
+        bound = ranking.largest_by_chance(together)
         yield "## Differences between methods, in pairs on the same trials"
         yield ""
         if together > 1:
@@ -75,20 +74,17 @@ def differences(summed: Summary, plan: Plan) -> Iterator[str]:
         yield ""
 
 
-def largest_by_chance(differences: int, level: float = 0.05) -> float:
-    """How many standard errors the largest of so many differences that are none exceeds with the probability `level`.
-
-    Sidak 1967: for independent ones exactly, for others less often.
-    """
-    return NormalDist().inv_cdf(0.5 + 0.5 * (1.0 - level) ** (1.0 / differences))
-
-
 def ranked(summed: Summary, plan: Plan) -> Iterator[str]:
     """A ranking for each condition, under its factors; nothing if the study asks for none."""
     report = plan.study.report
     if not report.rank_by:
         return
     yield f"## Ranked by {escaped(report.rank_by)}"
+    yield ""
+    yield (
+        "In brackets the ranks that the trials leave possible: two methods are told apart where they differ by more "
+        "than the largest difference of all pairs does by chance in one condition of twenty."
+    )
     yield ""
     for condition in plan.firsts:
         yield f"### {escaped(condition.said)}"

@@ -158,8 +158,9 @@ def _reliability(found: Record) -> Iterator[str]:
     yield f"least {r['redundancy_least']:.3f}: {r['redundancy_least_of']}"
     yield f"{r['below_0.1']} below 0.1, {r['below_0.3']} below 0.3"
     median, most = (_number(r[f"mdb_{which}_um"], ".1f") for which in ("median", "most"))
-    yield f"minimal detectable bias: median {median} um, most {most} um, found by the search below with a power of"
-    yield f"{r['power']:.0%} (level of one observation {r['alpha']:.1e}, delta0 {r['delta0']:.2f})"
+    yield f"minimal detectable bias: median {median} um, most {most} um, which an observation's own test in the"
+    level = f"level of one observation {r['alpha']:.1e}, delta0 {r['delta0']:.2f}"
+    yield f"search below finds with a power of {r['power']:.0%} ({level})"
     yield (
         f"a hidden bias moves no unknown by more than (in its a priori standard deviations): median "
         f"{_number(r['external_median'], '.2f')}, most {_number(r['external_most'], '.2f')}"

@@ -11,12 +11,13 @@ from studies.experiments import published
 from studies.experiments.mauelshagen_1980.experiment import Row
 from studies.experiments.mauelshagen_1980.trials import COUNTS, MEASURES
 from studies.experiments.reproduction import ReproductionError
+from studies.summary.monte_carlo_errors import mean_error, quantile_error
 from studies.texts import DASH, markdown
 
 FORMATS = {"m0_um": ".1f"} | {
     f"sim_{measure}{part}": ".3f" if measure == "m0_um" else ".2f"
     for measure in MEASURES
-    for part in ("", "_mcse", "_lo", "_hi")
+    for part in ("", "_mcse", "_lo", "_hi", "_lo_mcse", "_hi_mcse")
 }
 RANGE = (2.5, 97.5)
 """percentiles between which 95 % of the trials lie"""
@@ -26,8 +27,9 @@ def table1(rows: Sequence[Row], trials: pd.DataFrame) -> pd.DataFrame:
     """The published table with the simulated figures behind it.
 
     A simulated figure is the mean over the trials of each trial's own rms (not the rms of all trials together: the
-    paper reports one flight); _mcse is the standard error of this mean, _lo and _hi enclose 95 % of the trials. n
-    trials entered, `failures` did not. Raises ReproductionError where all trials of a row failed.
+    paper reports one flight); _mcse is the standard error of this mean, _lo and _hi enclose 95 % of the trials and have
+    standard errors of their own, _lo_mcse and _hi_mcse. n trials entered, `failures` did not. Raises ReproductionError
+    where all trials of a row failed.
     """
     simulated = [_summary(row, trials[trials["row"] == number]) for number, row in enumerate(rows)]
     return pd.concat([published.mauelshagen_table1(), pd.DataFrame(simulated)], axis=1)
@@ -41,12 +43,13 @@ def _summary(row: Row, trials: pd.DataFrame) -> dict[str, float]:
     for name in MEASURES:
         values = done[name].to_numpy(float)
         lo, hi = np.percentile(values, RANGE)
-        error = values.std(ddof=1) / len(values) ** 0.5 if len(values) > 1 else float("nan")
         summary |= {
             f"sim_{name}": float(values.mean()),
-            f"sim_{name}_mcse": float(error),
+            f"sim_{name}_mcse": mean_error(values),
             f"sim_{name}_lo": float(lo),
             f"sim_{name}_hi": float(hi),
+            f"sim_{name}_lo_mcse": quantile_error(values, RANGE[0] / 100.0),
+            f"sim_{name}_hi_mcse": quantile_error(values, RANGE[1] / 100.0),
         }
     return summary | {"n": len(done), "failures": len(trials) - len(done)}
 

@@ -20,14 +20,17 @@ from studies.comparison import CREST_RADII_MM, DECENTERING, RADIAL, VectorField,
 from studies.experiments.mauelshagen_1980.claims import mean_with_z0
 from studies.experiments.mauelshagen_1980.experiment import BOTH, CAMERAS, adjusted, middle_images, sub_block
 from studies.experiments.mauelshagen_1980.trials import places
+from studies.summary.monte_carlo_errors import quantile_error
 
 COLUMNS = (
     "claim", "model", "r0_mm", "aux_points", "camera", "images", "quantity", "published", "simulated", "low", "high",
-    "over", "n", "reached",
+    "low_mcse", "high_mcse", "over", "n", "reached",
 )  # fmt: skip
-FORMATS = {"r0_mm": "g", "simulated": ".3f", "low": ".3f", "high": ".3f"}
+FORMATS = {"r0_mm": "g", "simulated": ".3f", "low": ".3f", "high": ".3f", "low_mcse": ".3f", "high_mcse": ".3f"}
 A3_A4, Z0_CLAIM, CREST = "a3 and a4", "Z0 and a3, a4", "crest and corners"
 MODELS = ("optical", "torlegard", "brown14")
+BETWEEN = (0.025, 0.975)
+"""quantiles that bound a range over flights"""
 
 
 @dataclass(frozen=True)
@@ -70,7 +73,9 @@ def _over_geometries(worlds: list[World]) -> Iterator[tuple[object, ...]]:
         said = CORRELATION[key[3]] if key[0] == A3_A4 else WITH_Z0[key[2]]
         found = np.array([each[key] for each in values])
         low, high = float(found.min()), float(found.max())
-        yield (*key, said.printed, float(found.mean()), low, high, "geometries", len(found), said.reached(low, high))
+        # the range is that of all geometries looked at, so its ends have no sampling error to state
+        ends = (low, high, float("nan"), float("nan"))
+        yield (*key, said.printed, float(found.mean()), *ends, "geometries", len(found), said.reached(low, high))
 
 
 def _correlations(block: Block, truth: Truth) -> Iterator[tuple[Key, float]]:
@@ -114,7 +119,7 @@ def _over_flights(world: World, trials: int) -> Iterator[tuple[object, ...]]:
         for kind, (quantity, by_model) in changes.items():
             for model, found in by_model.items():
                 said = RISE_UM[model] if kind == "rise" else LONGER[model, camera]
-                low, high = (float(v) for v in np.quantile(found, (0.025, 0.975)))
+                low, high = (float(v) for v in np.quantile(found, BETWEEN))
                 key: Key = (CREST, model, 100.0, True, camera, "-", quantity)
                 yield (
                     *key,
@@ -122,6 +127,7 @@ def _over_flights(world: World, trials: int) -> Iterator[tuple[object, ...]]:
                     float(found.mean()),
                     low,
                     high,
+                    *(quantile_error(found, share) for share in BETWEEN),
                     "flights",
                     len(found),
                     said.reached(low, high),

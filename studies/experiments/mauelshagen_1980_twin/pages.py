@@ -10,6 +10,7 @@ import pandas as pd
 from studies.experiments.mauelshagen_1980 import table1_markdown
 from studies.experiments.mauelshagen_1980_twin import fixed, variances
 from studies.experiments.mauelshagen_1980_twin.findings import Twin, TwinFindings
+from studies.summary.monte_carlo_errors import quantile_error
 from studies.texts import markdown
 
 SEPARABLE = 0.6
@@ -70,6 +71,7 @@ def components_table(found: TwinFindings) -> pd.DataFrame:
                     "refit_16": float(lo[number]),
                     "refit_50": float(middle[number]),
                     "refit_84": float(hi[number]),
+                    "refit_50_mcse": quantile_error(twin.refits[:, number], 0.5),
                 }
             )
     return pd.DataFrame(lines)
@@ -121,7 +123,7 @@ def _chapter(found: TwinFindings, twin: Twin) -> Iterator[str]:
     sizes = components_table(found)
     own = sizes[(sizes["reading"] == twin.reading) & ((sizes["size"] > 0) | (sizes["first_fit"] >= 0.5))]
     yield f"## mu_xy as {name}: the random world\n"
-    digits = dict.fromkeys(("first_fit", "size", "refit_16", "refit_50", "refit_84"), ".1f")
+    digits = dict.fromkeys(("first_fit", "size", "refit_16", "refit_50", "refit_84", "refit_50_mcse"), ".1f")
     yield markdown(own.drop(columns="reading"), digits)
     yield (
         f"first_fit: non-negative least squares of the expected squares. size: refined. refit: percentiles over "

@@ -38,7 +38,7 @@ def reproduce(folder: Path, *, trials: int, jobs: int | None, seed: int) -> Repr
 
 def _write(found: TwinFindings, folder: Path, command: str) -> list[Path]:
     written: list[Path] = []
-    sizes = dict.fromkeys(("first_fit", "size", "refit_16", "refit_50", "refit_84"), ".2f")
+    sizes = dict.fromkeys(("first_fit", "size", "refit_16", "refit_50", "refit_84", "refit_50_mcse"), ".2f")
     tables = {
         "components": (pages.components_table(found), sizes),
         "fixed-terms": (pages.terms_table(found), {"um_at_100mm": ".1f"}),

@@ -49,4 +49,5 @@ def compute(trials: int, jobs: int | None, seed: int) -> ZiemannFindings:
     failed = flown[flown["failure"] != ""]
     names = ["camera", "field", "level", "model", "trial", "failure"]
     lines = [", ".join(str(value) for value in row) for row in failed[names].to_numpy().tolist()]
-    return ZiemannFindings(worlds, trials, compared, table.beyond(flown), table.rank_correlations(compared), lines)
+    ranks = table.rank_correlations(compared, flown)
+    return ZiemannFindings(worlds, trials, compared, table.beyond(flown), ranks, lines)

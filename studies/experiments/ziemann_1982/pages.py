@@ -10,7 +10,7 @@ from studies.experiments import published
 from studies.experiments.ziemann_1982 import reseau
 from studies.experiments.ziemann_1982.experiment import SETS, cases, model_of
 from studies.experiments.ziemann_1982.findings import ZiemannFindings
-from studies.experiments.ziemann_1982.table import RANK_FORMATS, case_markdown, order
+from studies.experiments.ziemann_1982.table import case_markdown, order
 from studies.pages import scenario_page
 from studies.texts import markdown
 
@@ -71,9 +71,13 @@ def _orders(found: ZiemannFindings) -> Iterator[str]:
     ]
     yield "By the mean over the levels at which all sets are readable.\n"
     yield markdown(pd.DataFrame(rows))
-    wide = found.ranks.pivot_table(index=["camera", "field"], columns="level", values="spearman").reset_index()
-    yield "Spearman's rank correlation of the simulated with the published order, level by level and of the means:\n"
-    yield markdown(wide, dict.fromkeys(wide.columns[2:], RANK_FORMATS["spearman"]))
+    said = [f"{r:.2f} ± {error:.2f}" for r, error in found.ranks[["spearman", "spearman_mcse"]].to_numpy(float)]
+    wide = found.ranks.assign(said=said).pivot(index=["camera", "field"], columns="level", values="said").reset_index()
+    yield (
+        "Spearman's rank correlation of the simulated with the published order, level by level and of the means, with "
+        "its standard error over flights:\n"
+    )
+    yield markdown(wide.fillna(""))
     yield (
         "b and f span the same functions beside the orientation, so an exact adjustment cannot tell them apart; the "
         "paper's figures for them differ by up to 0.2 um. What is fitted and what is not: section 5.\n"

@@ -10,6 +10,7 @@ from studies.experiments import published
 from studies.experiments.reproduction import ReproductionError
 from studies.experiments.ziemann_1982.experiment import CAMERAS, OTHERS, SETS, Case, cases
 from studies.experiments.ziemann_1982.reseau import LEVELS
+from studies.summary.monte_carlo_errors import bootstrap_error, mean_error
 from studies.texts import markdown
 
 FORMATS = {
@@ -19,7 +20,7 @@ FORMATS = {
     "gain_um": ".3f",
     "gain_mcse_um": ".3f",
 }
-RANK_FORMATS = {"spearman": ".2f"}
+RANK_FORMATS = {"spearman": ".2f", "spearman_mcse": ".2f"}
 FEWEST_RANKED = 5
 
 
@@ -77,40 +78,47 @@ def _summary(trials: pd.DataFrame, case: Case, how: tuple[int, bool], model: str
     gain = (reference - values).dropna()
     return {
         "sim_um": float(good.mean()),
-        "sim_mcse_um": _standard_error(good),
+        "sim_mcse_um": mean_error(good.to_numpy(float)),
         "gain_um": float(gain.mean()),
-        "gain_mcse_um": _standard_error(gain),
+        "gain_mcse_um": mean_error(gain.to_numpy(float)),
         "n": len(good),
         "failures": len(values) - len(good),
     }
 
 
-def _standard_error(values: pd.Series[float]) -> float:
-    return float(values.std(ddof=1) / len(values) ** 0.5) if len(values) > 1 else float("nan")
-
-
-def rank_correlations(found: pd.DataFrame) -> pd.DataFrame:
+def rank_correlations(found: pd.DataFrame, trials: pd.DataFrame) -> pd.DataFrame:
     """Spearman's correlation of the sets' order with the published one, for each case and level, and of the means.
 
-    Equal figures share their rank; sets whose figure is not readable are left out, and levels with fewer than
-    FEWEST_RANKED; "mean" is the mean over the levels at which all sets are readable.
+    found: as `table` gives it for these trials; spearman_mcse: the standard error over flights, resampled. Equal
+    figures share their rank; sets whose figure is not readable are left out, and levels with fewer than FEWEST_RANKED;
+    "mean" is the mean over the levels at which all sets are readable.
     """
     rows = []
     for case in cases():
         own = found[(found["camera"] == case.camera) & (found["field"] == case.field)]
-        paper, simulated = (own.pivot_table(index="level", columns="set", values=v, dropna=False) for v in FIGURES)
-        levels = {str(level): (paper.loc[level], simulated.loc[level]) for level in LEVELS}
-        whole = paper.index[paper.notna().all(axis=1)]
-        levels["mean"] = (paper.loc[whole].mean(), simulated.loc[whole].mean())
-        for level, (one, other) in levels.items():
-            both = np.column_stack([one.to_numpy(float), other.to_numpy(float)])
-            both = both[np.isfinite(both[:, 0])]
-            if len(both) >= FEWEST_RANKED:
-                rows.append((case.camera, case.field, level, len(both), spearman(*both.T)))
-    return pd.DataFrame(rows, columns=["camera", "field", "level", "sets", "spearman"])
+        paper = own.pivot_table(index="level", columns="set", values="published_um", dropna=False)
+        flown = _flown(trials, case, list(paper.index), list(paper.columns))
+        whole = paper.notna().all(axis=1).to_numpy()
+        levels = {str(level): np.arange(len(paper)) == number for number, level in enumerate(paper.index)}
+        for level, used in (levels | {"mean": whole}).items():
+            published_um = paper.to_numpy(float)[used].mean(axis=0)
+            known = np.isfinite(published_um)
+
+            def agreement(simulated: Floats, one: Floats = published_um[known]) -> float:
+                return spearman(one, simulated.mean(axis=0))
+
+            if known.sum() >= FEWEST_RANKED:
+                values = flown[:, used][:, :, known]
+                figure, error = agreement(np.nanmean(values, axis=0)), bootstrap_error(values, agreement)
+                rows.append((case.camera, case.field, level, int(known.sum()), figure, error))
+    return pd.DataFrame(rows, columns=["camera", "field", "level", "sets", "spearman", "spearman_mcse"])
 
 
-FIGURES = ("published_um", "sim_um")
+def _flown(trials: pd.DataFrame, case: Case, levels: list[int], sets: list[str]) -> Floats:
+    """(t, levels, sets) um: the rms of every trial, NaN where it failed."""
+    mine = trials[(trials["camera"] == case.camera) & (trials["field"] == case.field) & ~trials["system"]]
+    wide = mine.pivot_table(index="trial", columns=["level", "model"], values="rms_um", dropna=False)
+    return np.stack([wide[level][[SETS[letter] for letter in sets]].to_numpy(float) for level in levels], axis=1)
 
 
 def spearman(one: Floats, other: Floats) -> float:

@@ -45,7 +45,7 @@ def test_table1_starts_as_published_and_counts_agree_in_all_rows(folder):
     assert len(table) == 18
     assert (table["sim_unknowns"] == paper["unknowns"]).all()
     assert (table["sim_redundancy"] == paper["redundancy"]).all()
-    simulated = [f"sim_{m}{part}" for m in MEASURES for part in ("", "_mcse", "_lo", "_hi")]
+    simulated = [f"sim_{m}{part}" for m in MEASURES for part in ("", "_mcse", "_lo", "_hi", "_lo_mcse", "_hi_mcse")]
     assert list(table.columns[len(paper.columns) :]) == ["sim_unknowns", "sim_redundancy", *simulated, "n", "failures"]
     assert (table["n"] == 2).all()
     assert (table["failures"] == 0).all()

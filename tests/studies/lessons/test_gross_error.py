@@ -43,9 +43,9 @@ def test_what_the_lesson_says():
     assert abs(hidden.shift_mm[2]) > 3.0 * hidden.std_mm[2]
     assert not planted("seen in 3 images", ALONG, 40.0).found
     noticed = planted("seen in 2 images", ACROSS, large)
-    pair = [name for name in noticed.accused_names if " of point r12c3 in " in name]
-    assert noticed.name.startswith("y of point r12c3 ")
-    assert len(pair) == 1
+    of_point = noticed.name.partition(" of ")[2].partition(" in ")[0]
+    assert noticed.name.startswith("y of point ")
+    assert len([name for name in noticed.accused_names if f" of {of_point} in " in name]) == 1
     assert planted("seen in 6 images", ALONG, 0.0).accused
 
 

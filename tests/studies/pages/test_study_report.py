@@ -8,6 +8,7 @@ import pytest
 from studies.figures.canvas import MILLIMETRE, house_style, new_figure
 from studies.pages import study_report
 from studies.pages.study_report import side_by_side
+from studies.summary import ranking
 
 TEXT = 3 * "inner_orientation helmert, control corners-and-centre, "
 
@@ -31,8 +32,8 @@ def test_the_legend_stays_on_the_page(letters: int, width_mm: float) -> None:
 
 def test_the_largest_of_many_differences_by_chance() -> None:
     """Of 17 that are none, one in twenty studies shows one beyond the bound; each study has twenty thousand trials."""
-    assert study_report.largest_by_chance(1) == pytest.approx(1.96, abs=1e-3)
-    bound = study_report.largest_by_chance(17)
+    assert ranking.largest_by_chance(1) == pytest.approx(1.96, abs=1e-3)
+    bound = ranking.largest_by_chance(17)
     z = np.random.default_rng(1).standard_normal((20_000, 17))
     share = np.mean(np.abs(z).max(axis=1) > bound)
     assert abs(share - 0.05) < 3.0 * np.sqrt(0.05 * 0.95 / 20_000)

@@ -32,11 +32,41 @@ def test_the_best_comes_first_and_criteria_count_from_their_smallest() -> None:
     lines = list(ranking.tables(rows(values), rows({"a x=1,2": {"z": 1.0}}), ["aic", "z"], "z"))
     assert lines == [
         "| rank | method | z | difference | aic |",
-        "| ---: | --- | ---: | ---: | ---: |",
+        "| --- | --- | ---: | ---: | ---: |",
         "| 1 | b | 2 | – | 0 |",
         "| 2 | a x=1,2 | 3 | +1.00 ± 0.10 | 7 |",
         "",
     ]
+
+
+def test_ranks_that_the_trials_do_not_rule_out() -> None:
+    """Errors of 0.1 and three pairs: apart from 2.39 x 0.2 on."""
+    values = {"a": {"z": 1.0}, "b": {"z": 1.4}, "c": {"z": 2.0}}
+    lines = list(ranking.tables(rows(values), [], ["z"], "z"))
+    ranks = [line.split("|")[1].strip() for line in lines[2:-1]]
+    assert ranks == ["1 (1–2)", "2 (1–2)", "3"]
+
+
+def test_pairs_on_the_same_trials_tell_more_apart() -> None:
+    """What all share makes the errors of the values large and those of the differences small."""
+    value, error = np.array([1.0, 1.05, 1.2]), np.full(3, 0.5)
+    best, worst = ranking.possible_ranks(value, error, np.array([np.nan, 0.01, 0.01]))
+    assert best.tolist() == [1, 2, 3]
+    assert worst.tolist() == [1, 2, 3]
+    best, worst = ranking.possible_ranks(value, error, np.full(3, np.nan))
+    assert best.tolist() == [1, 1, 1]
+    assert worst.tolist() == [3, 3, 3]
+
+
+def test_ranks_of_methods_that_are_alike_are_seldom_ruled_out() -> None:
+    random = np.random.default_rng(5)
+    wrong = 0
+    for _ in range(300):
+        trials = random.standard_normal((8, 200)) + 3.0 * random.standard_normal(200)
+        against = np.append(np.nan, (trials[1:] - trials[0]).std(axis=1, ddof=1) / 200**0.5)
+        best, worst = ranking.possible_ranks(trials.mean(axis=1), trials.std(axis=1, ddof=1) / 200**0.5, against)
+        wrong += bool((best > 1).any() or (worst < 8).any())
+    assert wrong / 300 < 0.05
 
 
 @pytest.fixture(scope="module")
