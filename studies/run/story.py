@@ -110,7 +110,7 @@ def opened(folder: Path, plan: Plan) -> Store:
     if manifest is not None:
         refuse_other(plan, manifest)
     write_whole(folder / "study.toml", plan.study.text.encode())
-    _write_manifest(plan, store, programs_of(manifest or {}))
+    _write_manifest(plan, store, programs_of(manifest or {}) if store.begun else [])
     return store
 
 
@@ -129,6 +129,7 @@ def _admit_this_program(plan: Plan, store: Store, how: How, say: Say) -> None:
         )
     if other is not None:
         say(f"{other}; this run goes on beside them, and the manifest names both")
+    store.begin()
     if mine not in programs_of(manifest):
         _write_manifest(plan, store, [*programs_of(manifest), mine])
 

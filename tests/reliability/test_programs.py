@@ -107,6 +107,14 @@ def test_a_whole_store_is_summarised_by_any_program(copy: Path) -> None:
     assert any("numpy 1.26.4 and not" in line for line in said)
 
 
+def test_a_store_that_came_without_its_trials_is_begun_anew(copy: Path) -> None:
+    """As the results of this repository: what another program computed is not there, so nothing can be mixed."""
+    begun_by_another(copy, OTHERS["another numpy"])
+    shutil.rmtree(copy / "trials")
+    run_here(copy)
+    assert manifest(copy)["programs"] == [program()]
+
+
 def test_a_worker_with_another_program_writes_nothing(tmp_path: Path) -> None:
     from studies.design.plan import Plan
 
