@@ -15,6 +15,9 @@ import scipy.linalg
 
 from adjust.normals.band import BandFactor
 from simfield.block import Floats
+from simfield.numerics import machine_code
+
+machine_code.install()
 
 COLUMNS = 48
 """columns a step: enough for dense products, few against the band"""

@@ -13,9 +13,10 @@ from typing import Any
 import numba
 import numpy as np
 
-from simfield.numerics import compile_notice
+from simfield.numerics import compile_notice, machine_code
 
 compile_notice.install()
+machine_code.install()
 
 
 @numba.njit(cache=True, error_model="numpy", fastmath={"contract"})

@@ -11,7 +11,9 @@ from typing import Any
 
 import numba
 
-from simfield.numerics import WIDTH
+from simfield.numerics import WIDTH, machine_code
+
+machine_code.install()
 
 
 @numba.njit(cache=True)

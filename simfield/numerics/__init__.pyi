@@ -1,4 +1,4 @@
-from . import compile_notice as compile_notice, lanes_compiled as lanes_compiled
+from . import compile_notice as compile_notice, lanes_compiled as lanes_compiled, machine_code as machine_code
 from .arena import Arena as Arena
 from .blas_threads import one_thread as one_thread
 from .lanes import (

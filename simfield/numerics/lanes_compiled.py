@@ -19,9 +19,11 @@ from numba.core import cgutils, types
 from numba.core.typing.templates import ConcreteTemplate, infer_global, signature
 from numba.extending import intrinsic, lower_builtin, models, overload, register_model
 
-from simfield.numerics import lanes as plain
+from simfield.numerics import lanes as plain, machine_code
 from simfield.numerics.arena import CACHE_LINE
 from simfield.numerics.lanes import WIDTH, WIDTH_SINGLE
+
+machine_code.install()
 
 OPTIONS: dict[str, Any] = {"cache": True, "error_model": "numpy", "_nrt": False}
 kernel = numba.njit(**OPTIONS)

@@ -41,6 +41,7 @@ def _part(ctx: click.Context, parameter: click.Parameter, value: str | None) -> 
 @click.option("--backend", type=click.Choice(["joblib", "dask"]), default="joblib", show_default=True)
 @click.option("--scheduler", metavar="ADDRESS", help="Of a running dask cluster, such as tcp://127.0.0.1:8786.")
 @click.option("--shard", "part", metavar="I/N", callback=_part, help="Compute part I of N alone, for array jobs.")
+@click.option("--other-program", is_flag=True, help="Go on with a store that another version has begun.")
 @click.option("--trial-limit", type=click.FloatRange(1.0), default=60.0, show_default=True, help="Seconds for a trial.")
 def run(
     source: str,
@@ -52,6 +53,7 @@ def run(
     backend: str,
     scheduler: str | None,
     part: tuple[int, int] | None,
+    other_program: bool,
     trial_limit: float,
 ) -> None:
     """Run a study, or go on where it was left; write summary, figures and report.
@@ -68,7 +70,14 @@ def run(
             click.echo(_dry(asked))
             return
         folder = out if out is not None else Path("results") / asked.name
-        _run(asked, folder, {"jobs": jobs, "backend": backend, "scheduler": scheduler, "part": part}, trial_limit)
+        options = {
+            "jobs": jobs,
+            "backend": backend,
+            "scheduler": scheduler,
+            "part": part,
+            "other_program": other_program,
+        }
+        _run(asked, folder, options, trial_limit)
 
 
 def _run(asked: Study, folder: Path, options: dict[str, Any], trial_limit: float) -> None:
@@ -106,11 +115,14 @@ def _run(asked: Study, folder: Path, options: dict[str, Any], trial_limit: float
 
 
 def _dry(asked: Study) -> str:
-    """Conditions, methods, blocks and expected time; nothing heavy is imported."""
+    """Conditions, methods, blocks and expected time. Raises StudyError for what only the whole plan shows."""
     from simfield import build_world
-    from studies.design import Plan
+    from studies.design import Plan, StudyError
+    from studies.summary import measure_faults
 
     plan = Plan.of(asked)
+    if faults := list(measure_faults(plan)):
+        raise StudyError("\n".join(faults))
     lines = [f"{asked.name}: {asked.study.question.strip()}", ""]
     worlds = asked.trials.geometries
     more = "" if worlds == 1 else f" and {worlds - 1} more"

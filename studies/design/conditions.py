@@ -70,6 +70,19 @@ def count(study: Study) -> int:
 
 def combinations(study: Study) -> Iterator[dict[str, Any]]:
     """The levels of every condition, in the order of the file."""
+    for levels in _crossed(study):
+        if not any(_matches(levels, rule) for rule in study.exclude):
+            yield levels
+    yield from ({name: added[name] for name in factor_names(study)} for added in study.include)
+
+
+def fits_any(study: Study, rule: Mapping[str, Any]) -> bool:
+    """Whether a rule fits any combination of levels."""
+    return any(_matches(levels, rule) for levels in _crossed(study))
+
+
+def _crossed(study: Study) -> Iterator[dict[str, Any]]:
+    """All combinations of levels, none left out."""
     crossed = [[(name, level) for level in levels] for name, levels in study.grid.items()]
     rows = [
         [list(zip(together, row, strict=True)) for row in zip(*together.values(), strict=True)]
@@ -77,10 +90,7 @@ def combinations(study: Study) -> Iterator[dict[str, Any]]:
     ]
     for chosen in itertools.product(*crossed):
         for moved in itertools.product(*rows):
-            levels = dict([*chosen, *itertools.chain.from_iterable(moved)])
-            if not any(_matches(levels, rule) for rule in study.exclude):
-                yield levels
-    yield from ({name: added[name] for name in factor_names(study)} for added in study.include)
+            yield dict([*chosen, *itertools.chain.from_iterable(moved)])
 
 
 def _matches(levels: Mapping[str, Any], rule: Mapping[str, Any]) -> bool:

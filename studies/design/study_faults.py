@@ -89,6 +89,7 @@ def _factors(study: Study) -> Iterator[str]:
         if not levels:
             yield f"{place}: found [], allowed: at least one level"
         yield from _twice(place, levels) if place.startswith("grid") else ()
+        yield from _look_alike(place, levels)
     for kind, rules in (("exclude", study.exclude), ("include", study.include)):
         for number, rule in enumerate(rules):
             yield from _rule(f"{kind}[{number}]", rule, conditions.factor_names(study), whole=kind == "include")
@@ -101,6 +102,17 @@ def _twice(place: str, levels: tuple[Any, ...]) -> Iterator[str]:
         if text in seen:
             yield f"{place}[{number}]: {shown(level)} stands there twice"
         seen.add(text)
+
+
+def _look_alike(place: str, levels: tuple[Any, ...]) -> Iterator[str]:
+    """The number 1 beside the label "1": two conditions with one name in every table."""
+    said: dict[str, Any] = {}
+    for number, level in enumerate(levels):
+        label = level_label(level)
+        text = f"{label:g}" if isinstance(label, int | float) and not isinstance(label, bool) else str(label).lower()
+        first = said.setdefault(text, label)
+        if canonical(first) != canonical(label):
+            yield f"{place}[{number}]: {shown(level)} looks like {shown(first)} before it; give one another label"
 
 
 def _rule(place: str, rule: Mapping[str, Any], names: list[str], *, whole: bool) -> Iterator[str]:
@@ -174,8 +186,14 @@ def _may_go_together(line: str) -> bool:
 
 
 def _together(study: Study) -> list[str]:
-    faults: list[str] = []
+    faults = [
+        f"exclude[{number}]: fits no condition; allowed: levels of this study"
+        for number, rule in enumerate(study.exclude)
+        if not conditions.fits_any(study, rule)
+    ]
     base = conditions.base_table(study)
+    if not any(True for _ in conditions.combinations(study)):
+        return [*faults, "exclude: leaves no condition; allowed: rules that leave at least one"]
     for levels in conditions.combinations(study):
         try:
             conditions.situation(study, base, levels)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import functools
 from collections import Counter
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -15,9 +15,19 @@ from studies.run import backends, isolation
 from studies.run.backends import Broken
 from studies.run.work import Done, run_task
 from studies.run.worker import BackendError, become_main
-from studies.session import computer
-from studies.store import Shard, Store, described, locked, look_at, refuse_other
-from studies.summary import stopping, summary
+from studies.session import computer, program
+from studies.store import (
+    Shard,
+    Store,
+    StoreError,
+    described,
+    locked,
+    look_at,
+    other_program,
+    programs_of,
+    refuse_other,
+)
+from studies.summary import measure_faults, stopping, summary
 from studies.trials import Draw, compute, image_points
 
 TRIAL_LIMIT_S = 60.0
@@ -35,7 +45,7 @@ class How:
 
     jobs: processes; backend: "joblib", "dask" or "here" (in this process, unwatched); part: (I, N) computes every N-th
     block from the I-th (from 1) and writes no summary; trial_limit_s: a trial that takes longer is given up; draw: what
-    draws the trials.
+    draws the trials; other_program: go on with a store that another version has begun, whose numbers may differ.
     """
 
     jobs: int = 1
@@ -44,6 +54,7 @@ class How:
     part: tuple[int, int] | None = None
     trial_limit_s: float = TRIAL_LIMIT_S
     draw: Draw = image_points
+    other_program: bool = False
 
 
 @dataclass(frozen=True)
@@ -80,12 +91,16 @@ def run(
 
 
 def refuse_wrong_settings(plan: Plan) -> None:
-    """Raise StudyError for a setting that an AP model does not take; only the models themselves know."""
+    """Raise StudyError for a setting that an AP model does not take, which only the models themselves know, and for a
+    measure that none of them has.
+    """
     for method in plan.methods:
         try:
             method.ap_model()
         except (KeyError, TypeError, ValueError) as error:
             raise StudyError(f"methods.ap: {method.key}: {error.args[0]}") from None
+    if faults := list(measure_faults(plan)):
+        raise StudyError("\n".join(faults))
 
 
 def opened(folder: Path, plan: Plan) -> Store:
@@ -95,8 +110,28 @@ def opened(folder: Path, plan: Plan) -> Store:
     if manifest is not None:
         refuse_other(plan, manifest)
     write_whole(folder / "study.toml", plan.study.text.encode())
-    store.write_manifest(plan.manifest({"columns": described(plan), **computer()}))
+    _write_manifest(plan, store, programs_of(manifest or {}) if store.begun else [])
     return store
+
+
+def _write_manifest(plan: Plan, store: Store, programs: Sequence[Mapping[str, str]]) -> None:
+    store.write_manifest(plan.manifest({"columns": described(plan), "programs": list(programs), **computer()}))
+
+
+def _admit_this_program(plan: Plan, store: Store, how: How, say: Say) -> None:
+    """Note that this program computes trials of the store. Raises StoreError if another one has, unless it may."""
+    mine, manifest = program(), store.read_manifest() or {}
+    other = other_program(manifest, mine)
+    if other is not None and not how.other_program:
+        raise StoreError(
+            f"{store.folder}: {other}; trials of both would be averaged. Run it into a new folder (--out), with the "
+            "program that began it, or with --other-program if you know that the numbers are the same"
+        )
+    if other is not None:
+        say(f"{other}; this run goes on beside them, and the manifest names both")
+    store.begin()
+    if mine not in programs_of(manifest):
+        _write_manifest(plan, store, [*programs_of(manifest), mine])
 
 
 def compute_missing(plan: Plan, store: Store, how: How, say: Say, count: Count) -> None:
@@ -114,6 +149,8 @@ def compute_missing(plan: Plan, store: Store, how: How, say: Say, count: Count) 
         tasks = [plan.task(s.condition, s.block, lost[s.condition.id]) for s in found if s.state != "whole"]
         tasks.sort(key=lambda task: places[task.condition.id])  # a process keeps the geometry of its last condition
         left = Counter(task.condition.id for task in tasks)
+        if tasks:
+            _admit_this_program(plan, store, how, say)
         needed = computed + sum(len(task) for task in tasks)
         for done in finish(tasks, plan, store, how, say):
             computed += done.trials
@@ -151,7 +188,7 @@ def _say_what_was_found(found: Sequence[Shard], known: dict[tuple[str, int], boo
 
 def finish(tasks: Sequence[BlockTask], plan: Plan, store: Store, how: How, say: Say) -> Iterator[Done]:
     """Compute blocks by the chosen backend, and alone those whose worker dies or does not end."""
-    work = functools.partial(run_task, store, how.draw)
+    work = functools.partial(run_task, store, how.draw, program())
     attempt = functools.partial(compute, draw=how.draw)
     for answer in _answers(tasks, work, plan, store, how):
         if isinstance(answer, Broken):

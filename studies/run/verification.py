@@ -10,8 +10,8 @@ import numpy as np
 
 from simfield.numerics import TOGETHER
 from studies.design import Plan
-from studies.session import processor
-from studies.store import NOMINAL, Columns, Store, locked, look_at, study_of
+from studies.session import processor, program
+from studies.store import NOMINAL, Columns, Store, locked, look_at, other_program, programs_of, study_of
 from studies.trials import Draw, compute, image_points
 
 ELSEWHERE = 1e-9
@@ -28,8 +28,19 @@ def verify(folder: Path, say: Callable[[str], object], draw: Draw = image_points
         defects = list(_read_everything(store, plan))
         if not defects:
             say("every shard is whole")
+            _say_by_whom(store, say)
             defects = list(_compute_some_again(store, plan, say, draw))
     return defects
+
+
+def _say_by_whom(store: Store, say: Callable[[str], object]) -> None:
+    """Which programs computed the trials, if it was not this one alone."""
+    manifest = store.read_manifest() or {}
+    if len(programs := programs_of(manifest)) > 1:
+        said = "; ".join(", ".join(f"{name} {value}" for name, value in each.items()) for each in programs)
+        say(f"trials of {len(programs)} programs are averaged here: {said}")
+    elif other := other_program(manifest, program()):
+        say(other)
 
 
 def _read_everything(store: Store, plan: Plan) -> Iterator[str]:

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 from studies.design import BlockTask
-from studies.run.worker import prepare
+from studies.run.worker import BackendError, prepare
+from studies.session import program
 from studies.store import NOMINAL, Store
 from studies.trials import Draw, compute
 
@@ -22,8 +24,14 @@ class Done:
         return cls(task.condition.id, len(task))
 
 
-def run_task(store: Store, draw: Draw, task: BlockTask) -> Done:
-    """Compute a block and write its shard. Raises OSError where it cannot be written."""
+def run_task(store: Store, draw: Draw, wanted: Mapping[str, str], task: BlockTask) -> Done:
+    """Compute a block and write its shard, by the program that is wanted.
+
+    Raises OSError where it cannot be written, BackendError in a process of a cluster that has another program.
+    """
+    if program() != wanted:
+        apart = [f"{name} {mine} and not {wanted[name]}" for name, mine in program().items() if mine != wanted[name]]
+        raise BackendError(f"a worker has {', '.join(apart)}: install the same simfield everywhere")
     prepare()
     columns, nominal, reasons = compute(task, draw)
     if task.block == 0:

@@ -36,6 +36,8 @@ from .store import (
     read_json as read_json,
 )
 from .stored_study import (
+    other_program as other_program,
+    programs_of as programs_of,
     refuse_other as refuse_other,
     study_of as study_of,
 )

@@ -61,6 +61,15 @@ class Store:
             raise DamageError("this is no shard but a link or something huge")
         return decode(path.read_bytes(), self._label(condition_id, block), most_rows)
 
+    def begin(self) -> None:
+        """Make the folder of the trials. Raises OSError."""
+        make_folder(self.folder / "trials")
+
+    @property
+    def begun(self) -> bool:
+        """Whether trials were begun here; a folder that came without its trials, as from a repository, is new."""
+        return (self.folder / "trials").is_dir()
+
     def _label(self, condition_id: str, block: int | str) -> dict[str, Any]:
         return {"study": self.identity, "condition": condition_id, "block": block, "schema": SCHEMA}
 

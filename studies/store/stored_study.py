@@ -51,6 +51,25 @@ def refuse_other(plan: Plan, manifest: Mapping[str, Any]) -> None:
         raise StoreError("\n".join([*lines[:MOST_DIFFERENCES], *more]))
 
 
+def programs_of(manifest: Mapping[str, Any]) -> list[dict[str, Any]]:
+    """The programs (studies.session.program) that have computed trials of a store; of older stores what is known."""
+    found = manifest.get("programs")
+    if isinstance(found, list) and all(isinstance(each, dict) for each in found):
+        return found
+    versions = manifest.get("versions")
+    return [{**versions, "code": "not recorded"}] if isinstance(versions, dict) else []
+
+
+def other_program(manifest: Mapping[str, Any], mine: Mapping[str, str]) -> str | None:
+    """A sentence if none of the programs that computed a store is this one; None if one is, or none has computed."""
+    programs = programs_of(manifest)
+    if not programs or any(all(each.get(k) == v for k, v in mine.items()) for each in programs):
+        return None
+    last = programs[-1]
+    apart = [f"{k} {str(last.get(k, 'not recorded'))[:40]} and not {v}" for k, v in mine.items() if last.get(k) != v]
+    return f"its trials were computed by {', '.join(apart)}"
+
+
 def _levels(labels: Any) -> str:
     return (
         ", ".join(f"{k} {v}" for k, v in labels.items())

@@ -6,6 +6,7 @@ from . import (
     summary_file as summary_file,
 )
 from .cells import Cell as Cell
+from .measure_names import measure_faults as measure_faults
 from .over_geometries import error_of as error_of
 from .stopping import trials_of as trials_of
 from .summary import Row as Row, Summary as Summary, summarise as summarise

@@ -10,6 +10,10 @@ from __future__ import annotations
 import numba
 import numpy as np
 
+from simfield.numerics import machine_code
+
+machine_code.install()
+
 
 @numba.njit(cache=True, error_model="numpy")
 def point_deviations(x, first, true, given, origin, free, check, t_sigma0, root, out):  # type: ignore[no-untyped-def]

@@ -93,7 +93,7 @@ def test_blocks_that_were_computed_and_are_not_there_are_missed(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """As when a worker of a cluster writes into a folder of its own."""
-    monkeypatch.setattr("studies.run.story.run_task", lambda store, draw, task: Done.of(task))
+    monkeypatch.setattr("studies.run.story.run_task", lambda store, draw, wanted, task: Done.of(task))
     with pytest.raises(BackendError, match=r"6 of 6 blocks were computed and are not in .*; do all workers see it"):
         run_here(tmp_path)
 
