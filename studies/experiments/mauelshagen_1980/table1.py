@@ -11,7 +11,7 @@ from studies.experiments import published
 from studies.experiments.mauelshagen_1980.experiment import Row
 from studies.experiments.mauelshagen_1980.trials import COUNTS, MEASURES
 from studies.experiments.reproduction import ReproductionError
-from studies.summary.monte_carlo_errors import mean_error, quantile_error
+from studies.summary import mean_error, quantile_error
 from studies.texts import DASH, markdown
 
 FORMATS = {"m0_um": ".1f"} | {

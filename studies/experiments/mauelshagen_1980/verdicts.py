@@ -20,7 +20,7 @@ from studies.comparison import CREST_RADII_MM, DECENTERING, RADIAL, VectorField,
 from studies.experiments.mauelshagen_1980.claims import mean_with_z0
 from studies.experiments.mauelshagen_1980.experiment import BOTH, CAMERAS, adjusted, middle_images, sub_block
 from studies.experiments.mauelshagen_1980.trials import places
-from studies.summary.monte_carlo_errors import quantile_error
+from studies.summary import quantile_error
 
 COLUMNS = (
     "claim", "model", "r0_mm", "aux_points", "camera", "images", "quantity", "published", "simulated", "low", "high",

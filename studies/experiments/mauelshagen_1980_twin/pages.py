@@ -10,7 +10,7 @@ import pandas as pd
 from studies.experiments.mauelshagen_1980 import table1_markdown
 from studies.experiments.mauelshagen_1980_twin import fixed, variances
 from studies.experiments.mauelshagen_1980_twin.findings import Twin, TwinFindings
-from studies.summary.monte_carlo_errors import quantile_error
+from studies.summary import quantile_error
 from studies.texts import markdown
 
 SEPARABLE = 0.6

@@ -10,7 +10,7 @@ from studies.experiments import published
 from studies.experiments.reproduction import ReproductionError
 from studies.experiments.ziemann_1982.experiment import CAMERAS, OTHERS, SETS, Case, cases
 from studies.experiments.ziemann_1982.reseau import LEVELS
-from studies.summary.monte_carlo_errors import bootstrap_error, mean_error
+from studies.summary import bootstrap_error, mean_error
 from studies.texts import markdown
 
 FORMATS = {

@@ -22,6 +22,10 @@ COMPILED = sorted(
 )
 
 
+HERE = "simfield"
+"""the package in which modules are made up"""
+
+
 def dispatchers(module: str) -> list[Dispatcher]:
     found = importlib.import_module(module)
     return [each for each in vars(found).values() if isinstance(each, Dispatcher) and each.py_func.__module__ == module]
@@ -68,7 +72,7 @@ def test_another_function_of_ours_is_compiled_again_when_an_inlined_one_changes(
         "from simfield.numerics import inlined\n\n\n@inlined\ndef one(x):\n    return x + 1.0\n", encoding="utf-8"
     )
     (home / "outer_compiled.py").write_text(
-        "from simfield.inner_compiled import one\nfrom simfield.numerics import kernel\n\n\n"
+        f"from {HERE}.inner_compiled import one\nfrom simfield.numerics import kernel\n\n\n"
         "@kernel\ndef two(x):\n    return 10.0 * one(x)\n",
         encoding="utf-8",
     )
@@ -76,7 +80,7 @@ def test_another_function_of_ours_is_compiled_again_when_an_inlined_one_changes(
     def asked() -> str:
         environment = {k: v for k, v in os.environ.items() if k != "NUMBA_CACHE_DIR"} | {"PYTHONPATH": str(tmp_path)}
         run = subprocess.run(
-            [sys.executable, "-c", "from simfield.outer_compiled import two; print(two(1.0))"],
+            [sys.executable, "-c", f"from {HERE}.outer_compiled import two; print(two(1.0))"],
             cwd=tmp_path,
             env=environment,
             capture_output=True,
