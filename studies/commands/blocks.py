@@ -1,4 +1,4 @@
-"""The commands of blocks: simulate and adjust."""
+"""The commands of blocks: simulate, adjust and check."""
 
 from __future__ import annotations
 
@@ -80,6 +80,7 @@ def adjust(
 ) -> None:
     """Adjust a block folder by bundles with self-calibration, with all further observations that are in it."""
     from adjust import ByControl, InnerConstraints, MinimumControl, adjust_block
+    from adjust.plausibility import checked
     from simfield.files import BlockFolderError, read_block
     from studies.protocol import adjustment_page
 
@@ -94,9 +95,15 @@ def adjust(
         a = adjust_block(block, model, datum=tied, ap_by=ap_by)
     except ValueError as error:  # what the folder states does not fit the model
         raise Failure(str(error)) from error
+    findings = checked(a)
     if json_path is not None:
-        _write_json(adjustment_page.record(a), json_path)
-    _refuse_failed(a)
+        table = {**adjustment_page.record(a), "findings": [each.as_table() for each in findings]}
+        _write_json(table, json_path)
+    said = [f"probably wrong: {f.place}: {f.text}" for f in findings if f.kind != "adjustment" and f.severity != "note"]
+    if not a.status.ok:
+        raise Failure("; ".join([a.message, *said[:1]]))
+    for line in said:
+        click.echo(line, err=True)
     if out is not None:
         if (out / "cameras.csv").exists():
             raise click.UsageError(
@@ -139,6 +146,38 @@ def simulate(source: str, seed: int, trial: int, folder: Path, raw: bool, chain:
         raise Failure(str(error)) from error
 
 
+@click.command()
+@click.argument("folder", metavar="BLOCK_DIR", type=EXISTING)
+@click.option("--ap", "model_id", metavar="ID", default="none", show_default=True, help="Additional parameters.")
+@click.option("--json", "json_path", metavar="FILE|-", help="Write the findings as JSON to a file, or to stdout (-).")
+def check(folder: Path, model_id: str, json_path: str | None) -> None:
+    """Say what is probably wrong with a block: units, axes, names, control, stations, starts.
+
+    The block is adjusted on the way; nothing is written or changed. Exit 1 if a finding makes a result worthless.
+    """
+    from adjust import adjust_block
+    from adjust.plausibility import checked
+    from simfield.files import BlockFolderError, read_block
+
+    model = model_of(model_id, ())
+    try:
+        found = checked(adjust_block(read_block(folder), model))
+    except BlockFolderError as error:
+        raise Failure(str(error)) from error
+    except ValueError as error:  # what the folder states does not fit the model
+        raise Failure(str(error)) from error
+    if json_path is not None:
+        _write_json({"findings": [each.as_table() for each in found]}, json_path)
+    if json_path != "-":
+        for each in found:
+            click.echo(f"{each.severity}: {each.place}: {each.text}. {each.advice[:1].upper()}{each.advice[1:]}.")
+        if not found:
+            click.echo("nothing found")
+    worthless = sum(each.severity == "worthless" for each in found)
+    if worthless:
+        raise Failure(f"{worthless} of {len(found)} findings make a result worthless")
+
+
 def _write_json(record: dict[str, Any], path: str) -> None:
     from simfield.files import write_whole
 
@@ -161,8 +200,3 @@ def _write_protocol(a: Adjustment, folder: Path, quiet: bool) -> None:
         raise Failure(f"{error.filename or folder}: cannot be written: {error.strerror}") from error
     for path in files:
         click.echo(path, err=quiet)
-
-
-def _refuse_failed(a: Adjustment) -> None:
-    if not a.status.ok:
-        raise Failure(a.message)

@@ -13,7 +13,7 @@ from typing import Any, NoReturn
 
 import click
 
-from studies.commands.blocks import adjust, simulate
+from studies.commands.blocks import adjust, check, simulate
 from studies.commands.chain import budget, reduce
 from studies.commands.exits import Failure
 from studies.commands.experiments import detection, reproduce
@@ -71,6 +71,21 @@ def doctor() -> None:
 
 
 for command in (
-    *(adjust, budget, detection, models, reduce, replay, report, reproduce, run, simulate, studies, teach, verify),
+    *(
+        adjust,
+        check,
+        budget,
+        detection,
+        models,
+        reduce,
+        replay,
+        report,
+        reproduce,
+        run,
+        simulate,
+        studies,
+        teach,
+        verify,
+    ),
 ):
     main.add_command(command)
