@@ -204,6 +204,8 @@ def test_a_signal_ends_the_command_soon_and_it_says_how_to_go_on(
         [sys.executable, "-c", "from studies.commands.program import main; main()", "run", str(tmp_path / "small.toml"),
          "--out", str(tmp_path / "store"), "--jobs", "2"],
         cwd=TOP, start_new_session=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+        # a shell has its background jobs ignore interrupts, and children inherit that
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
     )  # fmt: skip
     ends = time.monotonic() + 60.0
     while len(list((tmp_path / "store").rglob("[0-9]*.parquet"))) < 8 and time.monotonic() < ends:
