@@ -14,7 +14,7 @@ import numpy as np
 
 from adjust.plausibility.finding import Finding, Severity, listed
 from adjust.plausibility.image_plane import from_the_corner
-from adjust.plausibility.predicted import PredictedRays
+from adjust.plausibility.predicted import PredictedRays, group_medians
 from adjust.plausibility.usual_mistakes import MISTAKES
 from simfield.block import Block, Floats, Indices
 
@@ -85,10 +85,8 @@ def _odd(group: Indices, rays: PredictedRays, count: int) -> Indices:
     misses = rays.misses()
     usable = ~np.isnan(misses)
     misses, group = misses[usable], group[usable]
-    seen = np.bincount(group, minlength=count)
-    own = np.array([np.median(misses[group == g]) if seen[g] else 0.0 for g in range(count)])
     most = max(BAD, ALONE * float(np.quantile(misses, GOOD_SHARE, method="lower"))) if len(misses) else np.inf
-    return np.flatnonzero(own > most)
+    return np.flatnonzero(np.nan_to_num(group_medians(misses, group, count), posinf=np.inf) > most)
 
 
 def _odd_images(block: Block, rays: PredictedRays) -> Iterator[Finding]:

@@ -36,6 +36,8 @@ def findings(a: Adjustment) -> Iterator[Finding]:
     """Of an adjustment that failed or whose observations contradict each other; nothing of one that fits."""
     if (a.status.ok and a.sigma0 < SUSPICIOUS) or a.observations > OBSERVATIONS_MOST:
         return
+    if a.regular is not a:  # a free network holds no control that could contradict anything
+        return
     stations = list(_stations(a))
     yield from stations
     if not stations:

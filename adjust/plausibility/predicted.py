@@ -75,7 +75,9 @@ class PredictedRays:
         landed = station[rows, :2] + reach[:, None] * ray[rows, :2]
         known = self.known.copy()
         for axis in range(2):
-            known[open_points, axis] = _medians(landed[:, axis], self.point[rows], len(known))[open_points]
+            known[open_points, axis] = group_medians(landed[:, axis], self.point[rows], len(known), FEWEST_LANDED)[
+                open_points
+            ]
         known[open_points, 2] = np.where(np.isfinite(known[open_points, 0]), np.median(height), np.nan)
         return known
 
@@ -94,10 +96,15 @@ class PredictedRays:
         return replace(self, image=self.image[rows], point=self.point[rows], xy=self.xy[rows], half=self.half[rows])
 
 
-def _medians(values: Floats, group: Indices, count: int) -> Floats:
-    """(count) the median of each group, NaN for groups of fewer than three."""
+def group_medians(values: Floats, group: Indices, count: int, least: int = 1) -> Floats:
+    """(count) the median of the values (k) of each group (k), NaN for groups of fewer than `least`."""
     order = np.lexsort((values, group))
-    ends = np.cumsum(np.bincount(group, minlength=count))
-    size = np.diff(ends, prepend=0)
-    middle = np.clip((ends - size) + size // 2, 0, max(len(values) - 1, 0))
-    return np.where(size >= FEWEST_LANDED, values[order][middle] if len(values) else np.nan, np.nan)
+    size = np.bincount(group, minlength=count)
+    first = np.cumsum(size) - size
+    known = size >= least
+    found = np.full(count, np.nan)
+    ranked = values[order]
+    lower, upper = (first + (size - 1) // 2)[known], (first + size // 2)[known]
+    with np.errstate(invalid="ignore"):  # rays behind a camera miss by infinity
+        found[known] = 0.5 * (ranked[lower] + ranked[upper])
+    return found

@@ -11,6 +11,7 @@ from adjust.adjustment import Adjustment
 from adjust.bundle import adjust_block
 from adjust.model import rotation_matrices
 from adjust.plausibility.finding import Finding, listed
+from adjust.plausibility.predicted import group_medians
 from simfield.block import Floats
 
 MOVED = 0.5
@@ -20,7 +21,6 @@ SMALL_BLOCK = 4
 """images up to which the whole block is started anew from poses of our own"""
 BETTER = 0.8
 """of sigma0: the other pose fits better beyond doubt; closer ones are told apart by little"""
-ALIKE = 1.5
 
 
 def findings(a: Adjustment) -> Iterator[Finding]:
@@ -61,9 +61,7 @@ def _distances(a: Adjustment) -> Floats:
     """(m) median distance of an image's points from its station, m."""
     o = a.block.observations
     ray = np.linalg.norm(a.coordinates[o.point] - a.exterior[o.image, :3], axis=1)
-    return np.array(
-        [np.median(ray[o.image == i]) if (o.image == i).any() else np.nan for i in range(len(a.block.images))]
-    )
+    return group_medians(ray, o.image, len(a.block.images))
 
 
 def _other_pose(a: Adjustment) -> Iterator[Finding]:

@@ -37,8 +37,6 @@ from adjust.trials import adjust_replicates
 from simfield.block import Block, Floats
 
 SIZES = (0.0, 4.0, 6.0, 8.0, 12.0, 16.0, 20.0)
-
-
 SEARCHED = {"clean block, anybody accused": LEVEL, "wrong, its test above": POWER, "wrong, accused": np.nan}
 """what the search of a block is asked, and the share that the protocol promises"""
 

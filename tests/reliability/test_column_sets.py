@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import itertools
 import json
-import shutil
 from collections.abc import Callable
 from pathlib import Path
 
@@ -30,18 +29,6 @@ IDENTITY = "8a6e112c1a1205eb798acb8638f87502fb0c94b3eb777d5a58dad306145ae55d"
 """of the small study, as it was before the manifest said columns"""
 EVERY, SOME = (0, 1, 2), (1,)
 """blocks that another version wrote"""
-
-
-@pytest.fixture(scope="module")
-def store(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    folder: Path = tmp_path_factory.mktemp("store")
-    run_here(folder)
-    return folder
-
-
-@pytest.fixture
-def copy(store: Path, tmp_path: Path) -> Path:
-    return Path(shutil.copytree(store, tmp_path / "copy"))
 
 
 def of_before(folder: Path) -> None:

@@ -20,18 +20,6 @@ from studies.trials import image_points
 from tests.studies.small_study import contents, run_here, study
 
 
-@pytest.fixture(scope="module")
-def store(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    folder: Path = tmp_path_factory.mktemp("store")
-    run_here(folder)
-    return folder
-
-
-@pytest.fixture
-def copy(store: Path, tmp_path: Path) -> Path:
-    return Path(shutil.copytree(store, tmp_path / "copy"))
-
-
 def manifest(folder: Path) -> dict:
     return json.loads((folder / "manifest.json").read_bytes())
 

@@ -6,7 +6,6 @@ import ast
 import hashlib
 import json
 import random
-import shutil
 from pathlib import Path
 
 import numpy as np
@@ -22,18 +21,6 @@ from tests.studies.small_study import contents, run_here, study
 TOP = Path(__file__).parents[2]
 LOADERS = {"pickle", "dill", "cloudpickle", "marshal", "shelve"}
 """modules that run what a file says"""
-
-
-@pytest.fixture(scope="module")
-def store(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    folder: Path = tmp_path_factory.mktemp("store")
-    run_here(folder)
-    return folder
-
-
-@pytest.fixture
-def copy(store: Path, tmp_path: Path) -> Path:
-    return Path(shutil.copytree(store, tmp_path / "copy"))
 
 
 def digest(columns: dict[str, np.ndarray]) -> str:

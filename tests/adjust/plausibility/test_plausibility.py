@@ -57,18 +57,16 @@ def test_nothing_is_found_in_two_hundred_good_blocks(preset: str) -> None:
     assert share <= FOUND_MOST, [each for each in found if each][:3]
 
 
-@pytest.mark.parametrize("name", MISTAKES)
+@pytest.mark.parametrize("name", [name for name in MISTAKES if ("grid-small", name) not in HARMLESS])
 def test_a_mistake_is_named(name: str) -> None:
-    if ("grid-small", name) not in HARMLESS:
-        assert share_named("grid-small", name, MISTAKES[name], 3) == 1.0
+    assert share_named("grid-small", name, MISTAKES[name], 3) == 1.0
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", MISTAKES)
-@pytest.mark.parametrize("preset", SEEDS)
+@pytest.mark.parametrize(
+    ("preset", "name"), [(preset, name) for preset in SEEDS for name in MISTAKES if (preset, name) not in HARMLESS]
+)
 def test_a_mistake_is_named_nearly_always(preset: str, name: str) -> None:
-    if (preset, name) in HARMLESS:
-        return
     share = share_named(preset, name, MISTAKES[name], SEEDS[preset])
     assert share >= NAMED_LEAST - STANDARD_ERRORS * np.sqrt(NAMED_LEAST * (1.0 - NAMED_LEAST) / SEEDS[preset])
 
